@@ -1,0 +1,1 @@
+"""Bundled ground, read as package data by ``terrain_lod.samples``."""

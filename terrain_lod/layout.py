@@ -1,0 +1,75 @@
+"""Numbers and structs that kernels and host share.
+
+One description gives both the NumPy dtype and the C text, so the two cannot drift:
+``header()`` is what kernels see as ``#include "layout.h"``.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+# 16.16 fixed point, the resolution of a Direct3D 11 tessellator's domain coordinates
+FIXED_BITS: Final = 16
+FIXED_ONE: Final = 1 << FIXED_BITS
+
+# largest tile in cells: fractional_odd has no more than 63 segments along an edge
+MAX_TILE: Final = 63
+DEFAULT_TILE: Final = 15
+
+# corners of the tile, then the far corners of its four neighbours
+CONTROL_POINTS: Final = 12
+EDGES: Final = 4  # u = 0, v = 0, u = 1, v = 1
+INSIDES: Final = 2  # along u, along v
+FRUSTUM_PLANES: Final = 6
+
+# how a raster is cut into tiles; spacing in metres
+GRID: Final = np.dtype(
+    [
+        ("rows", np.int32),
+        ("columns", np.int32),
+        ("tile", np.int32),  # cells along a full tile
+        ("tile_rows", np.int32),
+        ("tile_columns", np.int32),
+        ("dx", np.float32),
+        ("dy", np.float32),
+    ]
+)
+
+# a camera as the hull sees it, relative to the terrain's origin and base
+VIEW: Final = np.dtype(
+    [
+        ("eye", np.float32, (3,)),
+        # a point is inside where dot(plane.xyz, point) + plane.w >= 0
+        ("planes", np.float32, (FRUSTUM_PLANES, 4)),
+    ]
+)
+
+CONSTANTS: Final = {
+    "FIXED_BITS": FIXED_BITS,
+    "FIXED_ONE": FIXED_ONE,
+    "MAX_TILE": MAX_TILE,
+    "CONTROL_POINTS": CONTROL_POINTS,
+    "EDGES": EDGES,
+    "INSIDES": INSIDES,
+    "FRUSTUM_PLANES": FRUSTUM_PLANES,
+}
+STRUCTS: Final = {"Grid": GRID, "View": VIEW}
+
+_C_NAMES: Final = {"float32": "float", "int32": "int", "uint32": "uint"}
+
+
+def header() -> str:
+    """Return the text of ``layout.h``: a ``#define`` a constant, a ``typedef struct`` a dtype."""
+    lines = [f"#define {name} {value}" for name, value in CONSTANTS.items()]
+    for name, dtype in STRUCTS.items():
+        members = "".join(f"    {_member(dtype, field)};\n" for field in dtype.names or ())
+        lines.append(f"typedef struct {{\n{members}}} {name};")
+    return "\n".join(lines) + "\n"
+
+
+def _member(struct: np.dtype[np.void], field: str) -> str:
+    dtype: np.dtype[np.generic] = struct[field]
+    extents = "".join(f"[{extent}]" for extent in dtype.shape)
+    return f"{_C_NAMES[dtype.base.name]} {field}{extents}"
