@@ -7,6 +7,7 @@
     ├── FileError         (OSError)       a file is missing, unreadable or cannot be written
     ├── DeviceError       (RuntimeError)  no such device, a kernel does not build or launch
     │   └── DeviceMemoryError             more bytes wanted than the device has
+    ├── GraphicsError     (RuntimeError)  3-D pictures cannot be drawn on this machine
     └── MissingExtraError (ImportError)   an optional package is needed; the message names it
 
 Every message is one line: what was expected, what came, what to do.
@@ -33,6 +34,10 @@ class DeviceError(TerrainError, RuntimeError):
 
 class DeviceMemoryError(DeviceError):
     """More bytes are wanted than the device has."""
+
+
+class GraphicsError(TerrainError, RuntimeError):
+    """3-D pictures cannot be drawn here; the message names the command that mends it."""
 
 
 class MissingExtraError(TerrainError, ImportError):
