@@ -15,9 +15,9 @@ import threading
 import weakref
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
 from functools import cache
 from math import prod
+from operator import index
 from typing import Any, Final
 
 import numpy as np
@@ -25,57 +25,17 @@ import numpy.typing as npt
 import pyopencl as cl
 
 from . import layout
+from .device_info import DeviceInfo, find_device, gibibytes, listing
 from .errors import DeviceError, DeviceMemoryError, InputError
+from .parameters import Parameter
 from .sources import kernel_source
+from .timeline import Timeline
 
 DEVICE_VARIABLE: Final = "TERRAIN_LOD_DEVICE"
+PYOPENCL_VARIABLE: Final = "PYOPENCL_CTX"
 
-# OpenCL C's scalar type names, as -cl-kernel-arg-info reports them
-_SCALARS: Final = {
-    "char": np.int8,
-    "uchar": np.uint8,
-    "short": np.int16,
-    "ushort": np.uint16,
-    "int": np.int32,
-    "uint": np.uint32,
-    "long": np.int64,
-    "ulong": np.uint64,
-    "float": np.float32,
-    "double": np.float64,
-}
-
-
-@dataclass(frozen=True)
-class DeviceInfo:
-    """One OpenCL device of this machine.
-
-    Attributes
-    ----------
-    name, platform : str
-        As the driver reports them.
-    is_gpu : bool
-    memory, largest_buffer : int
-        Bytes in all, and in one allocation.
-    """
-
-    name: str
-    platform: str
-    is_gpu: bool
-    memory: int
-    largest_buffer: int
-
-    @property
-    def kind(self) -> str:
-        """``"GPU"`` or ``"CPU"``."""
-        return "GPU" if self.is_gpu else "CPU"
-
-    def __str__(self) -> str:
-        return f"{self.name} ({self.kind}, {self.platform}, {gibibytes(self.memory)})"
-
-
-def gibibytes(count: int) -> str:
-    """Return a byte count as people read it: ``"1.50 GiB"``."""
-    return f"{count / 2**30:.2f} GiB"
+_listing_process: int | None = None  # which process has listed devices
+_opening = threading.Lock()
 
 
 def devices() -> tuple[DeviceInfo, ...]:
@@ -84,6 +44,13 @@ def devices() -> tuple[DeviceInfo, ...]:
 
 
 def _handles() -> list[cl.Device]:
+    global _listing_process
+    if _listing_process not in (None, os.getpid()):  # drivers' threads do not survive a fork
+        raise DeviceError(
+            "expected a process of its own for OpenCL, got a fork of one that uses it already: "
+            "start workers with  multiprocessing.get_context('spawn')"
+        )
+    _listing_process = os.getpid()
     try:
         platforms = cl.get_platforms()
     except cl.Error:  # no driver at all
@@ -112,47 +79,28 @@ def _info(handle: cl.Device) -> DeviceInfo:
 
 
 def _choose(name: str | None) -> cl.Device:
-    """Return the device whose name or platform holds `name`; None takes a GPU, else a CPU."""
     handles = _handles()
-    if not handles:
-        raise DeviceError(
-            "expected an OpenCL device, found none: install one with  pip install 'pyopencl[pocl]'"
-        )
-    if name is None:
-        return handles[0]
-    wanted = name.lower()
-    for handle in handles:
-        info = _info(handle)
-        if wanted == info.kind.lower() or wanted in f"{info.name} {info.platform}".lower():
-            return handle
-    existing = "; ".join(str(_info(handle)) for handle in handles)
-    raise DeviceError(
-        f"unknown device {name!r}: expected part of a name, cpu or gpu; here: {existing}"
-    )
+    infos = [_info(handle) for handle in handles]
+    if handles and name is None and os.environ.get(PYOPENCL_VARIABLE):
+        try:
+            return cl.choose_devices(interactive=False)[0]
+        except (cl.Error, RuntimeError) as error:
+            choice = f"{PYOPENCL_VARIABLE}={os.environ[PYOPENCL_VARIABLE]!r}"
+            raise DeviceError(
+                f"unknown device, {choice}: {error}; here: {listing(infos)}"
+            ) from None
+    return handles[find_device(infos, name)]
 
 
-@dataclass
-class Timeline:
-    """Seconds of device time by stage, of the launches inside ``with device.timed()``.
-
-    A stage is a kernel file's stem: ``"hull"``, ``"tessellator"``.
-    """
-
-    _events: list[tuple[str, cl.Event]] = field(default_factory=list)
-
-    def add(self, stage: str, event: cl.Event) -> None:
-        """Count a launch."""
-        self._events.append((stage, event))
-
-    @property
-    def seconds(self) -> dict[str, float]:
-        """Sum of kernel times a stage, in order of first launch; waits for them to end."""
-        total: dict[str, float] = {}
-        for stage, event in self._events:
-            event.wait()
-            elapsed = (event.profile.end - event.profile.start) * 1e-9
-            total[stage] = total.get(stage, 0.0) + elapsed
-        return total
+@contextmanager
+def _named(what: str) -> Iterator[None]:
+    """Turn the driver's errors inside the block into ours, which say `what` failed."""
+    try:
+        yield
+    except cl.MemoryError as error:
+        raise DeviceMemoryError(f"{what}: the device is out of memory ({error})") from None
+    except cl.Error as error:
+        raise DeviceError(f"{what}: {error}") from None
 
 
 class DeviceArray:
@@ -167,14 +115,16 @@ class DeviceArray:
 
     def __init__(self, device: Device, shape: tuple[int, ...], dtype: npt.DTypeLike) -> None:
         self.device = device
-        self.shape = shape
+        self.shape = tuple(index(extent) for extent in shape)
         self.dtype: np.dtype[Any] = np.dtype(dtype)
         # OpenCL has no empty buffers: one element stands in for none
         nbytes = max(self.nbytes, self.dtype.itemsize)
-        device.require(f"an array of {shape} {self.dtype.name}", nbytes)
-        self.buffer = cl.Buffer(device.context, cl.mem_flags.READ_WRITE, nbytes)
-        device.allocated += nbytes
-        weakref.finalize(self, device.release, nbytes)
+        what = f"an array of {self.shape} {self.dtype.name}"
+        device.require(what, nbytes)
+        with _named(what):
+            self.buffer = cl.Buffer(device.context, cl.mem_flags.READ_WRITE, nbytes)
+        device.account(nbytes)
+        weakref.finalize(self, device.account, -nbytes)
 
     @property
     def size(self) -> int:
@@ -191,7 +141,8 @@ class DeviceArray:
         """Return a copy in host memory; waits for every launch before it."""
         values = np.empty(self.shape, self.dtype)
         if self.size:
-            cl.enqueue_copy(self.device.queue, values, self.buffer)
+            with _named(f"reading {self!r}"):
+                cl.enqueue_copy(self.device.queue, values, self.buffer)
         return values
 
     def write(self, values: npt.ArrayLike, start: int = 0) -> None:
@@ -203,13 +154,15 @@ class DeviceArray:
             )
         if flat.size:
             offset = start * self.dtype.itemsize
-            cl.enqueue_copy(self.device.queue, self.buffer, flat, dst_offset=offset)
+            with _named(f"writing {self!r}"):
+                cl.enqueue_copy(self.device.queue, self.buffer, flat, dst_offset=offset)
 
     def fill(self, value: float) -> DeviceArray:
         """Set every element to `value` and return the array."""
         if self.size:
             pattern = np.full(1, value, self.dtype)
-            cl.enqueue_fill_buffer(self.device.queue, self.buffer, pattern, 0, self.nbytes)
+            with _named(f"filling {self!r}"):
+                cl.enqueue_fill_buffer(self.device.queue, self.buffer, pattern, 0, self.nbytes)
         return self
 
 
@@ -228,9 +181,18 @@ class Kernel:
         self.stage = stage
         self._handle = handle
         self._parameters = {
-            handle.get_arg_info(index, cl.kernel_arg_info.NAME): _Parameter.of(handle, index)
-            for index in range(handle.num_args)
+            parameter.name: parameter
+            for parameter in (self._parameter(index) for index in range(handle.num_args))
         }
+
+    def _parameter(self, index: int) -> Parameter:
+        info, qualifiers = cl.kernel_arg_info, cl.kernel_arg_address_qualifier
+        return Parameter(
+            kernel=self.name,
+            name=self._handle.get_arg_info(index, info.NAME),
+            type_name=self._handle.get_arg_info(index, info.TYPE_NAME),
+            is_local=self._handle.get_arg_info(index, info.ADDRESS_QUALIFIER) == qualifiers.LOCAL,
+        )
 
     def __call__(
         self, global_size: tuple[int, ...], local_size: tuple[int, ...], **arguments: object
@@ -239,7 +201,7 @@ class Kernel:
             expected, got = ", ".join(self._parameters), ", ".join(arguments)
             raise DeviceError(f"kernel {self.name} expected arguments ({expected}), got ({got})")
         values = [
-            parameter.convert(self.name, name, arguments[name])
+            self._convert(parameter, arguments[name])
             for name, parameter in self._parameters.items()
         ]
         padded = tuple(
@@ -248,50 +210,23 @@ class Kernel:
         )
         if 0 in padded:
             return
-        with self.device.lock:  # kernel objects hold their arguments: one launch at a time
+        what = f"kernel {self.name} on {padded} work-items in groups of {local_size}"
+        # kernel objects hold their arguments: one launch at a time
+        with self.device.lock, _named(what):
             self._handle.set_args(*values)
             event = cl.enqueue_nd_range_kernel(self.device.queue, self._handle, padded, local_size)
             self.device.record(self.stage, event)
 
-
-@dataclass(frozen=True)
-class _Parameter:
-    """What a kernel wants for one argument: its C type, and the dtype that fits it."""
-
-    type_name: str
-    is_local: bool
-    dtype: np.dtype[Any]
-
-    @classmethod
-    def of(cls, handle: cl.Kernel, index: int) -> _Parameter:
-        info = cl.kernel_arg_info
-        type_name = handle.get_arg_info(index, info.TYPE_NAME)
-        qualifier = handle.get_arg_info(index, info.ADDRESS_QUALIFIER)
-        element = type_name.removesuffix("*").strip()
-        is_local = qualifier == cl.kernel_arg_address_qualifier.LOCAL
-        if element in layout.STRUCTS:
-            return cls(type_name, is_local, layout.STRUCTS[element])
-        # a float4 pointer takes float32 elements, four to a value
-        return cls(type_name, is_local, np.dtype(_SCALARS[element.rstrip("0123456789")]))
-
-    def convert(self, kernel: str, name: str, value: object) -> object:
-        """Return what ``set_args`` takes for `value`, or say what was expected."""
-        if self.is_local:
-            if isinstance(value, int):
+    def _convert(self, parameter: Parameter, value: object) -> object:
+        """Return what OpenCL takes for `value`, or say what was expected."""
+        if not parameter.is_pointer:
+            return parameter.scalar(value)
+        match value:
+            case int() if parameter.is_local and value > 0:
                 return cl.LocalMemory(value)
-        elif self.type_name.endswith("*"):
-            if isinstance(value, DeviceArray) and value.dtype == self.dtype:
+            case DeviceArray(device=self.device, dtype=parameter.dtype) if not parameter.is_local:
                 return value.buffer
-        elif self.dtype.names:
-            if getattr(value, "dtype", None) == self.dtype:
-                return value
-        elif isinstance(value, int | float | np.generic):
-            scalar = self.dtype.type(value)
-            if self.dtype.kind == "f" or scalar == value:
-                return scalar
-        raise DeviceError(
-            f"kernel {kernel} expected {self.type_name} {name} ({self.dtype.name}), got {value!r}"
-        )
+        raise parameter.refusal(value)
 
 
 class Device:
@@ -302,17 +237,18 @@ class Device:
 
     def __init__(self, handle: cl.Device) -> None:
         self.info = _info(handle)
-        self.context = cl.Context([handle])
-        self.queue = cl.CommandQueue(
-            self.context, properties=cl.command_queue_properties.PROFILING_ENABLE
-        )
+        with _named(f"opening {self.info}"):
+            self.context = cl.Context([handle])
+            self.queue = cl.CommandQueue(
+                self.context, properties=cl.command_queue_properties.PROFILING_ENABLE
+            )
         self.lock = threading.RLock()
         self.allocated = 0
         self._exact_division = bool(
             handle.single_fp_config & cl.device_fp_config.CORRECTLY_ROUNDED_DIVIDE_SQRT
         )
-        self._kernels: dict[tuple[object, ...], Kernel] = {}
-        self._programs: dict[tuple[object, ...], cl.Program] = {}
+        self._programs: dict[tuple[str, str], cl.Program] = {}
+        self._kernels: dict[tuple[tuple[str, str], str], Kernel] = {}
         self._timelines: list[Timeline] = []
 
     @classmethod
@@ -322,15 +258,17 @@ class Device:
         Parameters
         ----------
         name : str, optional
-            Part of a device's or platform's name in any case, ``"cpu"`` or ``"gpu"``. Default:
-            the environment's ``TERRAIN_LOD_DEVICE``, else a GPU if there is one, else the CPU.
+            Part of a device's or platform's name in any case, ``"cpu"``, ``"gpu"``, or its
+            number in :func:`devices`. Default: the environment's ``TERRAIN_LOD_DEVICE``, else its
+            ``PYOPENCL_CTX``, else a GPU if there is one, else the CPU.
 
         Raises
         ------
         DeviceError
             If there is no such device; the message lists those that exist.
         """
-        return _open(_choose(name or os.environ.get(DEVICE_VARIABLE) or None))
+        with _opening:  # threads share one
+            return _open(_choose(name or os.environ.get(DEVICE_VARIABLE) or None))
 
     def __repr__(self) -> str:
         return f"<Device {self.info}>"
@@ -363,13 +301,14 @@ class Device:
                     f"{gibibytes(had)} ({had} bytes) {where}: use a smaller raster or larger device"
                 )
 
-    def release(self, nbytes: int) -> None:
-        """Take `nbytes` off the account; arrays call it when they go."""
-        self.allocated -= nbytes
+    def account(self, nbytes: int) -> None:
+        """Count `nbytes` more in use, or fewer; arrays call it as they come and go."""
+        with self.lock:
+            self.allocated += nbytes
 
     def empty(self, shape: int | tuple[int, ...], dtype: npt.DTypeLike) -> DeviceArray:
         """Return an array of device memory, not initialised."""
-        return DeviceArray(self, (shape,) if isinstance(shape, int) else tuple(shape), dtype)
+        return DeviceArray(self, shape if isinstance(shape, tuple) else (shape,), dtype)
 
     def zeros(self, shape: int | tuple[int, ...], dtype: npt.DTypeLike) -> DeviceArray:
         """Return an array of device memory, all zero."""
@@ -395,28 +334,26 @@ class Device:
         DeviceError
             With the compiler's log, if it does not build.
         """
-        key = (file, name, *sorted(defines.items()))
+        program_key = (file, repr(sorted(defines.items())))  # 1, 1.0 and True differ
         with self.lock:
-            if key not in self._kernels:
-                handle = cl.Kernel(self._program(file, defines), name)
-                self._kernels[key] = Kernel(self, handle, stage=file.removesuffix(".cl"))
-            return self._kernels[key]
+            if (program_key, name) not in self._kernels:
+                if program_key not in self._programs:
+                    self._programs[program_key] = self._build(file, defines)
+                with _named(f"kernel {name} of kernels/{file}"):
+                    handle = cl.Kernel(self._programs[program_key], name)
+                stage = file.removesuffix(".cl")
+                self._kernels[program_key, name] = Kernel(self, handle, stage)
+            return self._kernels[program_key, name]
 
-    def _program(self, file: str, defines: Mapping[str, int | float | str]) -> cl.Program:
-        key = (file, *sorted(defines.items()))
-        if key not in self._programs:
-            includes = {"layout.h": layout.header()}
-            options = ["-cl-std=CL1.2", "-cl-kernel-arg-info"]
-            if self._exact_division:
-                options.append("-cl-fp32-correctly-rounded-divide-sqrt")
-            heading = "".join(f"#define {name} {value}\n" for name, value in defines.items())
-            source = heading + kernel_source(file, includes)
-            try:
-                self._programs[key] = cl.Program(self.context, source).build(options)
-            except cl.RuntimeError as error:
-                message = f"kernels/{file} does not build on {self.info}:\n{error}"
-                raise DeviceError(message) from None
-        return self._programs[key]
+    def _build(self, file: str, defines: Mapping[str, int | float | str]) -> cl.Program:
+        options = ["-cl-std=CL1.2", "-cl-kernel-arg-info"]
+        if self._exact_division:
+            options.append("-cl-fp32-correctly-rounded-divide-sqrt")
+        source = kernel_source(file, {"layout.h": layout.header()}, defines)
+        try:
+            return cl.Program(self.context, source).build(options)
+        except cl.RuntimeError as error:
+            raise DeviceError(f"kernels/{file} does not build on {self.info}:\n{error}") from None
 
     # time
 
@@ -431,7 +368,7 @@ class Device:
             self._timelines.remove(timeline)
 
     def record(self, stage: str, event: cl.Event) -> None:
-        """Add a launch to every open timeline ."""
+        """Add a launch to every open timeline."""
         for timeline in self._timelines:
             timeline.add(stage, event)
 
