@@ -87,8 +87,8 @@ class Parameter:
             except (OverflowError, ValueError):  # 2**40 as int, NaN as int
                 raise self.refusal(value) from None
             # rounding to float32 is meant; overflow, or a fraction cut off, never is
-            rounds = self.dtype.kind == "f" and isfinite(scalar) == isfinite(value)
-            if rounds or scalar == value:
+            is_float = self.dtype.kind == "f"
+            if isfinite(scalar) == isfinite(value) if is_float else scalar == value:
                 return scalar
         raise self.refusal(value)
 
