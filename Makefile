@@ -12,6 +12,7 @@ WORKERS ?= 2
 
 python := .venv/bin/python
 mesa := libegl1 libgl1-mesa-dri
+draws := from terrain_lod.graphics import require_graphics as check; check()
 as_root := $(if $(filter 0,$(shell id -u)),,sudo -n)
 
 .PHONY: help demo test clean
@@ -46,7 +47,7 @@ define set_up
 @echo "setting up .venv: about two minutes the first time"
 @$(PYTHON) -m venv .venv
 @$(python) -m pip install --quiet --disable-pip-version-check --editable "$(1)"
-@$(python) -m terrain_lod.graphics >/dev/null 2>&1 || { \
+@$(python) -c "$(draws)" 2>/dev/null || { \
 	echo "installing $(mesa) for the 3-D pictures" && \
 	$(as_root) apt-get update -qq && \
 	$(as_root) env DEBIAN_FRONTEND=noninteractive apt-get install -qq -y $(mesa) >/dev/null ; } || \
