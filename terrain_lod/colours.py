@@ -1,0 +1,127 @@
+"""What colour the ground is: by height and slope, by sunlight, by level of detail.
+
+Colours are red, green, blue in 0..1 as screens take them (sRGB); light is added up in linear
+intensity and turned back, as eyes expect.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+Colours = npt.NDArray[np.float32]
+"""(N, 3) red, green, blue in 0..1."""
+
+Stops = tuple[tuple[float, float, float, float], ...]
+"""Rows of position, red, green, blue; positions rise."""
+
+# Detail of a patch, 0 the lowest of its LOD and 1 the highest: the code of figures 9.11 and 9.22,
+# black, blue, green, red, with the yellow and orange between its last two.
+LOD_STOPS: Final[Stops] = (
+    (0.00, 0.00, 0.00, 0.00),
+    (0.25, 0.08, 0.22, 0.90),
+    (0.50, 0.10, 0.75, 0.20),
+    (0.75, 0.98, 0.85, 0.10),
+    (1.00, 0.90, 0.08, 0.08),
+)
+
+# Lowland to summit, 0 the lowest ground of the picture and 1 the highest.
+HEIGHT_STOPS: Final[Stops] = (
+    (0.00, 0.42, 0.52, 0.38),
+    (0.20, 0.56, 0.62, 0.42),
+    (0.42, 0.74, 0.69, 0.50),
+    (0.65, 0.67, 0.56, 0.44),
+    (0.85, 0.74, 0.70, 0.66),
+    (1.00, 0.96, 0.96, 0.97),
+)
+_ROCK: Final = (0.50, 0.46, 0.42)
+
+# of the light on ground that faces the sun: the sun's share, and the sky's from straight above
+_SUN: Final = (1.00, 0.95, 0.86)
+_SKY: Final = (0.30, 0.36, 0.44)
+
+_GAMMA: Final = 2.2
+
+
+def ramp(stops: Stops, positions: npt.NDArray[np.float32]) -> Colours:
+    """Return the colour at each position (N,), interpolated between `stops`."""
+    at, *channels = np.asarray(stops, np.float32).T
+    colours = [np.interp(positions, at, channel) for channel in channels]
+    return np.stack(colours, axis=-1).astype(np.float32)
+
+
+def lod_colours(factors: npt.ArrayLike, factor_range: tuple[float, float]) -> Colours:
+    """Return the colour of tessellation factors (P,): black lowest, then blue, green, red.
+
+    Parameters
+    ----------
+    factors : (P,) array_like
+    factor_range : (float, float)
+        The lowest and the highest factor that the LOD gives.
+    """
+    low, high = factor_range
+    return ramp(LOD_STOPS, (np.asarray(factors, np.float32) - low) / (high - low))
+
+
+def hypsometric(
+    heights: npt.NDArray[np.float32],
+    normals: npt.NDArray[np.float32],
+    height_range: tuple[float, float],
+) -> Colours:
+    """Return the tint of ground: by height, and bare rock where it is steep.
+
+    Parameters
+    ----------
+    heights : (N,) float32
+    normals : (N, 3) float32
+        Unit normals, z up.
+    height_range : (float, float)
+        Heights of the lowest and the highest tint.
+    """
+    low, high = height_range
+    tint = ramp(HEIGHT_STOPS, (heights - low) / max(high - low, 1e-30))
+    # rock shows from 27 degrees on, and alone from 53
+    rock = np.clip((0.9 - normals[:, 2]) / 0.3, 0.0, 1.0)
+    return mixed(tint, rock, _ROCK)
+
+
+def sun_direction(azimuth: float, elevation: float) -> npt.NDArray[np.float32]:
+    """Return the unit vector towards the sun.
+
+    Parameters
+    ----------
+    azimuth : float
+        Degrees clockwise from north.
+    elevation : float
+        Degrees above the horizon.
+    """
+    turn, rise = math.radians(azimuth), math.radians(elevation)
+    horizontal = math.cos(rise)
+    return np.array(
+        [horizontal * math.sin(turn), horizontal * math.cos(turn), math.sin(rise)], np.float32
+    )
+
+
+def lit(
+    colours: Colours, normals: npt.NDArray[np.float32], sun: npt.NDArray[np.float32]
+) -> Colours:
+    """Return `colours` (N, 3) under sun and sky: Lambert's cosine, and more sky from above."""
+    facing_sun = np.maximum(normals @ sun, 0.0)[:, None]
+    facing_sky = (0.5 + 0.5 * normals[:, 2:]).astype(np.float32)
+    light = facing_sun * np.asarray(_SUN, np.float32) + facing_sky * np.asarray(_SKY, np.float32)
+    intensity: Colours = np.clip(colours**_GAMMA * light, 0.0, 1.0)
+    return intensity ** (1 / _GAMMA)
+
+
+def mixed(colours: Colours, share: npt.NDArray[np.float32], other: tuple[float, ...]) -> Colours:
+    """Return `colours` (N, 3) with a `share` (N,) in 0..1 of one `other` colour in each."""
+    mixture: Colours = colours + share[:, None] * (np.asarray(other, np.float32) - colours)
+    return mixture
+
+
+def to_bytes(colours: Colours) -> npt.NDArray[np.uint8]:
+    """Return colours in 0..1 as bytes."""
+    return np.round(colours * 255).astype(np.uint8)
