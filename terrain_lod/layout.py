@@ -24,6 +24,9 @@ EDGES: Final = 4  # u = 0, v = 0, u = 1, v = 1
 INSIDES: Final = 2  # along u, along v
 FRUSTUM_PLANES: Final = 6
 
+# ways to divide an edge, by their number in kernels
+PARTITIONINGS: Final = ("integer", "pow2", "fractional_odd", "fractional_even")
+
 # how a raster is cut into tiles; spacing in metres
 GRID: Final = np.dtype(
     [
@@ -54,6 +57,7 @@ CONSTANTS: Final = {
     "EDGES": EDGES,
     "INSIDES": INSIDES,
     "FRUSTUM_PLANES": FRUSTUM_PLANES,
+    **{name.upper(): number for number, name in enumerate(PARTITIONINGS)},
 }
 STRUCTS: Final = {"Grid": GRID, "View": VIEW}
 

@@ -1,0 +1,118 @@
+// Triangles between two rows of points that are divided differently.
+//
+//   outer  0-----1--2--3-----4-----5--6--7-----8      A strip advances one point at a time, on the
+//           \   /|\ | /|\   / \   /|\ | /|\   /       outer or the inner row; each step is a
+//            \ / | \|/ | \ /   \ / | \|/ | \ /        triangle with the point that the other row
+//   inner     0--1--2--3--4-----5--6--7--8--9         has come to. The halves mirror each other.
+//
+// Which row advances next follows from where a row's points would come to lie were it divided as
+// finely as can be, in 32 steps a half, doubling in ruler order (0 is the corner, 32 the middle):
+//
+//   half = 1   0                               each doubling first splits the step at the corner
+//   half = 2   0               16              and then the next towards the middle, so the point
+//   half = 3   0       8       16              with which a row of `half` steps begins its step k
+//   half = 4   0       8       16      24      is known in closed form, and so is how many of a
+//   half = 5   0   4   8       16      24      row's points lie before another: every triangle
+//   ...                                        is made on its own.
+//
+// Where both rows have a point at the same place, the inner one steps first in the first half.
+#ifndef TESSELLATOR_STITCH_H
+#define TESSELLATOR_STITCH_H
+
+#include "tessellator_division.h"
+
+// a row of points, walked along
+typedef struct {
+    int first, stride, last;    // indices of its points; the last may be anywhere
+    int points;
+    int half_steps;                   // steps in each half of its division
+    bool odd;                   // a step in the middle, between the halves
+} Row;
+
+// where the primitives of a patch go
+typedef struct {
+    __global int *indices;      // of the patch's first triangle
+    int base;                   // index of the patch's first point
+    bool clockwise;             // seen with u to the right and v down
+} Triangles;
+
+inline void put_triangle(const Triangles triangles, int triangle, int a, int b, int c)
+{
+    __global int *corner = triangles.indices + 3 * (size_t)triangle;
+    corner[0] = triangles.base + a;
+    corner[1] = triangles.base + (triangles.clockwise ? b : c);
+    corner[2] = triangles.base + (triangles.clockwise ? c : b);
+}
+
+inline int point_of(const Row row, int i)
+{
+    return i == row.points - 1 ? row.last : row.first + i * row.stride;
+}
+
+// Returns where step 0 <= k < half_steps of a row begins, in 64ths of half the row.
+inline int ruler_place(int half_steps, int k)
+{
+    const int level = 31 - clz(half_steps), split = half_steps - (1 << level);
+    // the first `split` steps of the level above are split in two
+    return k <= 2 * split ? k << (5 - level) : (k - split) << (6 - level);
+}
+
+// Returns how many steps of a row's first half begin at a place or before it.
+inline int steps_to(int half_steps, int place)
+{
+    if (half_steps == 0 || place < 0)
+        return 0;
+    const int level = 31 - clz(half_steps), split = half_steps - (1 << level);
+    const int fine = place >> (5 - level);
+    return 1 + (fine <= 2 * split ? fine : split + (fine >> 1));
+}
+
+inline int strip_triangles(int outer_points, int inner_points)
+{
+    return outer_points + inner_points - 2;
+}
+
+// the step between the halves: of both rows, of one, or of none
+inline void stitch_middle(const Triangles triangles, int triangle, const Row outer, const Row inner)
+{
+    const int k = outer.half_steps, a = inner.half_steps - 1;
+    const int o = point_of(outer, k), i = point_of(inner, a);
+    if (outer.odd && inner.odd) {
+        put_triangle(triangles, triangle, i, o, point_of(inner, a + 1));
+        put_triangle(triangles, triangle + 1, point_of(inner, a + 1), o, point_of(outer, k + 1));
+    } else if (outer.odd) {
+        put_triangle(triangles, triangle, i, o, point_of(outer, k + 1));
+    } else if (inner.odd) {
+        put_triangle(triangles, triangle, i, o, point_of(inner, a + 1));
+    }
+}
+
+// Stitches two rows; the outer one runs a step further at both ends. Items share the work.
+//
+//   triangle k + a            outer step k (o, o + 1, i)       inner step a (i, o, i + 1)
+//   triangle count - 1 - ...  the same mirrored
+inline void stitch(const Triangles triangles, int first, const Row outer, const Row inner,
+                   int item, int items)
+{
+    const int outer_end = outer.points - 1, inner_end = inner.points - 1;
+    const int last = first + outer_end + inner_end - 1;
+    for (int k = item; k < outer.half_steps; k += items) {
+        // the inner row has no step at the corner
+        const int a = steps_to(inner.half_steps, ruler_place(outer.half_steps, k)) - 1;
+        put_triangle(triangles, first + k + a,
+                     point_of(outer, k), point_of(outer, k + 1), point_of(inner, a));
+        put_triangle(triangles, last - k - a, point_of(outer, outer_end - k - 1),
+                     point_of(outer, outer_end - k), point_of(inner, inner_end - a));
+    }
+    for (int a = item; a < inner.half_steps - 1; a += items) {
+        const int k = steps_to(outer.half_steps, ruler_place(inner.half_steps, a + 1) - 1);
+        put_triangle(triangles, first + k + a,
+                     point_of(inner, a), point_of(outer, k), point_of(inner, a + 1));
+        put_triangle(triangles, last - k - a, point_of(inner, inner_end - a - 1),
+                     point_of(outer, outer_end - k), point_of(inner, inner_end - a));
+    }
+    if (item == 0)
+        stitch_middle(triangles, first + outer.half_steps + inner.half_steps - 1, outer, inner);
+}
+
+#endif
