@@ -35,6 +35,24 @@ typedef struct {
     uint fine_step;
 } Division;
 
+// which share of a loop is a work-item's own: first, first + step, ...
+typedef struct {
+    int first, step;
+} Items;
+
+inline Items group_items(void)
+{
+    Items items = {get_local_id(1) * get_local_size(0) + get_local_id(0),
+                   get_local_size(0) * get_local_size(1)};
+    return items;
+}
+
+inline Items row_items(void)
+{
+    Items items = {get_local_id(0), get_local_size(0)};
+    return items;
+}
+
 // Returns a factor in 16.16: clamped to what its partitioning allows, NaN to the least, and
 // rounded, up to a whole number or power of two, or to the nearest in fixed point, ties to even.
 inline uint fixed_factor(float factor, int partitioning)
@@ -129,6 +147,12 @@ inline uint place(const Division division, int i)
     const uint blend = coarse * (FIXED_ONE - division.fraction) + fine * division.fraction;
     const uint location = (blend + FIXED_HALF) / FIXED_ONE;
     return point == i ? location : FIXED_ONE - location;
+}
+
+inline void place_all(const Division division, __local uint *places, Items items)
+{
+    for (int i = items.first; i <= division.segments; i += items.step)
+        places[i] = place(division, i);
 }
 
 #endif

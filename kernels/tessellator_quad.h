@@ -63,10 +63,9 @@ inline int quad_triangles(const QuadFactors factors, int partitioning)
 }
 
 // Places the points of an edge, the last one left to the next edge.
-inline void quad_boundary(__global uint2 *points, int edge, const Division division,
-                          int item, int items)
+inline void fill_boundary(__global uint2 *points, int edge, const Division division, Items items)
 {
-    for (int k = item; k < division.segments; k += items) {
+    for (int k = items.first; k < division.segments; k += items.step) {
         // u = 0 is walked against v, v = 0 with u, u = 1 with v, v = 1 against u
         const uint along = place(division, edge == 1 || edge == 2 ? k : division.segments - k);
         const uint across = edge < 2 ? 0 : FIXED_ONE;
@@ -112,6 +111,46 @@ inline void lattice_cell(const Triangles triangles, int triangle, int corner, in
     const int a = corner, b = corner + 1, c = corner + columns, d = corner + columns + 1;
     put_triangle(triangles, triangle, a, b, falls ? d : c);
     put_triangle(triangles, triangle + 1, falls ? a : b, d, c);
+}
+
+// the boundary, and the strips that join it to the lattice
+inline void fill_quad_edges(const QuadFactors factors, const Division *insides,
+                            const Lattice lattice, int partitioning,
+                            __global uint2 *points, const Triangles triangles)
+{
+    int point = 0, triangle = 0;
+    for (int edge = 0; edge < QUAD_EDGES; ++edge) {
+        const Division division = divide(factors.edges[edge], partitioning);
+        fill_boundary(points + point, edge, division, group_items());
+        const int next = point + division.segments;
+        const Row outer = {point, 1, edge == QUAD_EDGES - 1 ? 0 : next,
+                           division.segments + 1, division.half_steps, division.odd};
+        // along u = 0 and u = 1 runs v
+        const Row inner = lattice_row(lattice, edge, insides[1 - edge % 2]);
+        if (factors.kind == DIVIDED)
+            stitch(triangles, triangle, outer, inner, group_items());
+        point = next;
+        triangle += strip_triangles(outer.points, inner.points);
+    }
+}
+
+// rows and columns of the lattice go to rows and columns of work-items
+inline void fill_lattice(const Lattice lattice, __local const uint *u, __local const uint *v,
+                         __global uint2 *points, const Triangles triangles)
+{
+    const int across = lattice.columns - 1, down = lattice.rows - 1;
+    const int strips = lattice.first + 2 * (across + down);
+    for (int row = get_local_id(1); row < lattice.rows; row += get_local_size(1)) {
+        const int point = lattice.first + row * lattice.columns;
+        for (int column = get_local_id(0); column < lattice.columns; column += get_local_size(0))
+            points[point + column] = (uint2)(u[column + 1], v[row + 1]);
+    }
+    for (int row = get_local_id(1); row < down; row += get_local_size(1)) {
+        const int point = lattice.first + row * lattice.columns;
+        for (int column = get_local_id(0); column < across; column += get_local_size(0))
+            lattice_cell(triangles, strips + 2 * (row * across + column), point + column,
+                         lattice.columns, diagonal_falls(column, row, across, down));
+    }
 }
 
 #endif

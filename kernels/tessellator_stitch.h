@@ -92,11 +92,11 @@ inline void stitch_middle(const Triangles triangles, int triangle, const Row out
 //   triangle k + a            outer step k (o, o + 1, i)       inner step a (i, o, i + 1)
 //   triangle count - 1 - ...  the same mirrored
 inline void stitch(const Triangles triangles, int first, const Row outer, const Row inner,
-                   int item, int items)
+                   Items items)
 {
     const int outer_end = outer.points - 1, inner_end = inner.points - 1;
     const int last = first + outer_end + inner_end - 1;
-    for (int k = item; k < outer.half_steps; k += items) {
+    for (int k = items.first; k < outer.half_steps; k += items.step) {
         // the inner row has no step at the corner
         const int a = steps_to(inner.half_steps, ruler_place(outer.half_steps, k)) - 1;
         put_triangle(triangles, first + k + a,
@@ -104,14 +104,14 @@ inline void stitch(const Triangles triangles, int first, const Row outer, const 
         put_triangle(triangles, last - k - a, point_of(outer, outer_end - k - 1),
                      point_of(outer, outer_end - k), point_of(inner, inner_end - a));
     }
-    for (int a = item; a < inner.half_steps - 1; a += items) {
+    for (int a = items.first; a < inner.half_steps - 1; a += items.step) {
         const int k = steps_to(outer.half_steps, ruler_place(inner.half_steps, a + 1) - 1);
         put_triangle(triangles, first + k + a,
                      point_of(inner, a), point_of(outer, k), point_of(inner, a + 1));
         put_triangle(triangles, last - k - a, point_of(inner, inner_end - a - 1),
                      point_of(outer, outer_end - k), point_of(inner, inner_end - a));
     }
-    if (item == 0)
+    if (items.first == 0)
         stitch_middle(triangles, first + outer.half_steps + inner.half_steps - 1, outer, inner);
 }
 

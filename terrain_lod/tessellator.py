@@ -31,7 +31,7 @@ class Domain(NamedTuple):
     corners: int
 
 
-DOMAINS: Final = {"quad": Domain(4, 2, 3)}
+DOMAINS: Final = {"quad": Domain(4, 2, 3), "triangle": Domain(3, 1, 3), "isoline": Domain(2, 0, 2)}
 
 
 def tessellate_device(
@@ -85,11 +85,11 @@ def tessellate_device(
     device.kernel("tessellator.cl", f"{domain}_fill")(
         (patches * items[0], items[1]),
         items,
-        clockwise=clockwise,
         point_offsets=point_offsets,
         primitive_offsets=primitive_offsets,
         points=points,
         primitives=primitives,
+        **({"clockwise": clockwise} if DOMAINS[domain].corners == 3 else {}),
         **factors,
     )
     return DevicePattern(points, primitives, point_offsets, primitive_offsets)

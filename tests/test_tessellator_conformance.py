@@ -20,7 +20,7 @@ def canonical(primitives):
     return least[np.lexsort(least.T[::-1])]
 
 
-@pytest.mark.parametrize("partitioning", ["fractional_odd"])
+@pytest.mark.parametrize("partitioning", ["fractional_odd", "fractional_even", "integer"])
 @pytest.mark.parametrize("domain", DOMAINS)
 def test_table(domain, partitioning):
     cases = np.flatnonzero((TABLE["domain"] == domain) & (TABLE["partitioning"] == partitioning))
@@ -29,7 +29,7 @@ def test_table(domain, partitioning):
     pattern = tessellate_device(
         domain,
         device.array(TABLE["edge_factors"][cases, :edges]),
-        device.array(TABLE["inside_factors"][cases, :insides]),
+        device.array(TABLE["inside_factors"][cases, :insides]) if insides else None,
         partitioning,
         clockwise=False,  # OpenGL's clockwise, whose v points up
     )
