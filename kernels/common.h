@@ -1,11 +1,11 @@
 // What every terrain kernel shares: how tiles lie on the raster.
 //
 //   sample [row, column], row 0 north          tile (R, C) covers cells R*tile .. and shares its
-//   x = column * dx, y = -row * dy             border samples with its neighbours:
+//   x = column * dx, y = -row * dy             border samples with its neighbours;
 //
 //       column 0        tile       2*tile
 //      row 0 +-----------+-----------+
-//            |           |           |         the last row and column of tiles may be smaller
+//            |           |           |         the last tiles may be smaller
 //            |  (0, 0)   |  (0, 1)   |
 //            |           |           |
 //       tile +-----------+-----------+
@@ -23,19 +23,33 @@ typedef struct {
     int cells_down, cells_across;
 } Tile;
 
-inline int tile_count(Grid grid)
+// First sample of a row or column of tiles, or the last sample of all; terrain_lod/grid.py says why
+// the last tile begins where it does.
+inline int tile_row(Grid grid, int index)
 {
-    return grid.tile_rows * grid.tile_columns;
+    return index < grid.tile_rows ? min(index * grid.tile, grid.last_row) : grid.rows - 1;
+}
+
+inline int tile_column(Grid grid, int index)
+{
+    return index < grid.tile_columns ? min(index * grid.tile, grid.last_column)
+                                     : grid.columns - 1;
 }
 
 inline Tile tile_at(Grid grid, int index)
 {
+    const int down = index / grid.tile_columns, across = index % grid.tile_columns;
     Tile tile;
-    tile.row = index / grid.tile_columns * grid.tile;
-    tile.column = index % grid.tile_columns * grid.tile;
-    tile.cells_down = min(grid.tile, grid.rows - 1 - tile.row);
-    tile.cells_across = min(grid.tile, grid.columns - 1 - tile.column);
+    tile.row = tile_row(grid, down);
+    tile.column = tile_column(grid, across);
+    tile.cells_down = tile_row(grid, down + 1) - tile.row;
+    tile.cells_across = tile_column(grid, across + 1) - tile.column;
     return tile;
+}
+
+inline int tile_count(Grid grid)
+{
+    return grid.tile_rows * grid.tile_columns;
 }
 
 inline size_t sample_index(Grid grid, int row, int column)

@@ -9,7 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from .arguments import one_of
-from .device import Device, DeviceArray
+from .buffers import DeviceAnalysis, DeviceGround
+from .device import Device
 from .grid import TileGrid
 from .heightmap import Heightmap
 
@@ -45,10 +46,9 @@ class TileAnalysis:
     nodata: npt.NDArray[np.int32]
 
     @classmethod
-    def of(
-        cls, grid: TileGrid, planes: npt.NDArray[np.float32], details: npt.NDArray[np.float32]
-    ) -> TileAnalysis:
-        """Return the analysis that the kernel's two outputs, (TR, TC, 4) each, hold."""
+    def of(cls, grid: TileGrid, analysis: DeviceAnalysis) -> TileAnalysis:
+        """Bring down what the kernel found."""
+        planes, details = analysis.planes.host(), analysis.details.host()
         return cls(
             grid,
             normal=planes[..., :3],
@@ -65,52 +65,6 @@ class TileAnalysis:
             f"TileAnalysis({rows} x {columns} tiles of {self.grid.tile}, "
             f"deviation up to {np.nanmax(self.deviation):g})"
         )
-
-
-@dataclass(frozen=True, eq=False)
-class DeviceGround:
-    """A heightmap on the device.
-
-    Attributes
-    ----------
-    heights : DeviceArray, (R, C) float32
-    holes : DeviceArray, (R, C) uint8, or (1,) where data is everywhere
-        Not zero where there is no data.
-    masked : bool
-    """
-
-    heights: DeviceArray
-    holes: DeviceArray
-    masked: bool
-
-    @classmethod
-    def upload(cls, ground: Heightmap, device: Device) -> DeviceGround:
-        """Copy `ground` to the device, or refuse it with the bytes wanted and had."""
-        masked = ground.mask is not None
-        holes = ground.mask if ground.mask is not None else np.zeros(1, bool)
-        rows, columns = ground.shape
-        device.require(f"a raster of {rows} x {columns}", ground.heights.nbytes, holes.nbytes)
-        return cls(device.array(ground.heights), device.array(holes.view(np.uint8)), masked)
-
-
-@dataclass(frozen=True, eq=False)
-class DeviceAnalysis:
-    """The analysis on the device.
-
-    Attributes
-    ----------
-    planes : DeviceArray, (TR, TC, 4) float32
-        Unit normal, height at the tile's centre.
-    details : DeviceArray, (TR, TC, 4) float32
-        Deviation, minimum, maximum, samples without data.
-    """
-
-    planes: DeviceArray
-    details: DeviceArray
-
-    def host(self, grid: TileGrid) -> TileAnalysis:
-        """Bring the analysis down."""
-        return TileAnalysis.of(grid, self.planes.host(), self.details.host())
 
 
 def analyse(
@@ -146,16 +100,17 @@ def analyse(
     -----
     Zink, Pettineo, Hoxley: *Practical Rendering and Computation with Direct3D 11*, section 9.1.2.
     """
-    device = device or Device.open()
     grid = TileGrid.of(ground, tile)
-    return analyse_on_device(DeviceGround.upload(ground, device), grid, plane=plane).host(grid)
+    one_of("plane", plane, PLANES)
+    uploaded = DeviceGround.upload(ground, device or Device.open())
+    return TileAnalysis.of(grid, analyse_on_device(uploaded, grid, plane=plane))
 
 
 def analyse_on_device(
     ground: DeviceGround, grid: TileGrid, *, plane: str = "least_squares"
 ) -> DeviceAnalysis:
     """Run the analysis kernel and leave its results on the device."""
-    device = ground.heights.device
+    device = ground.device
     corners = one_of("plane", plane, PLANES) == "corners"
     group = device.group_size(64)
     kernel = device.kernel(

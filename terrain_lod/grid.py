@@ -1,7 +1,13 @@
 """How a raster is cut into tiles: the one home of the mapping tile -> samples -> world.
 
 A tile is a square of ``tile`` cells and (tile + 1)^2 samples; neighbours share their border
-samples. Rasters of any size are covered: the last row and column of tiles may be smaller.
+samples. Rasters of any size are covered: the last tiles of a row or column may be smaller.
+
+fractional_odd lands on the samples only where a tile has an odd number of cells. So where tiles are
+odd and an even number of cells is left for the last one, it is split into two odd ones: factors
+equal to the cells then reproduce any raster::
+
+    |<----15---->|<----15---->|<--5-->|<-3->|      38 cells, 39 samples
 """
 
 from __future__ import annotations
@@ -52,7 +58,7 @@ class TileGrid:
     @property
     def shape(self) -> tuple[int, int]:
         """Tile rows and columns."""
-        return -(-(self.rows - 1) // self.tile), -(-(self.columns - 1) // self.tile)
+        return _tile_count(self.rows - 1, self.tile), _tile_count(self.columns - 1, self.tile)
 
     @property
     def count(self) -> int:
@@ -62,15 +68,35 @@ class TileGrid:
     @property
     def corner_rows(self) -> npt.NDArray[np.int64]:
         """Sample rows of the tile corners; (TR + 1,)."""
-        return np.minimum(np.arange(self.shape[0] + 1) * self.tile, self.rows - 1)
+        return _corners(self.rows - 1, self.tile)
 
     @property
     def corner_columns(self) -> npt.NDArray[np.int64]:
         """Sample columns of the tile corners; (TC + 1,)."""
-        return np.minimum(np.arange(self.shape[1] + 1) * self.tile, self.columns - 1)
+        return _corners(self.columns - 1, self.tile)
 
     def record(self) -> npt.NDArray[Any]:
         """Return the ``layout.GRID`` record that kernels take."""
+        last = (self.corner_rows[-2], self.corner_columns[-2])
         return np.array(
-            (self.rows, self.columns, self.tile, *self.shape, *self.spacing), layout.GRID
+            (self.rows, self.columns, self.tile, *self.shape, *last, *self.spacing), layout.GRID
         )
+
+
+def _last_tiles(cells: int, tile: int) -> list[int]:
+    """Return the cells of the tiles after those that are full for certain."""
+    left = cells % tile
+    if tile % 2 == 1 and left % 2 == 0 and left > 0:
+        smaller = (left // 2 - 1) | 1
+        return [left - smaller, smaller]
+    return [left] if left else []
+
+
+def _tile_count(cells: int, tile: int) -> int:
+    return cells // tile + len(_last_tiles(cells, tile))
+
+
+def _corners(cells: int, tile: int) -> npt.NDArray[np.int64]:
+    """Return the first cell of each tile, and the end; ``tile_corner`` of ``common.h``."""
+    sizes = [tile] * (cells // tile) + _last_tiles(cells, tile)
+    return np.concatenate([[0], np.cumsum(sizes)])

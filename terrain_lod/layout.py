@@ -35,6 +35,8 @@ GRID: Final = np.dtype(
         ("tile", np.int32),  # cells along a full tile
         ("tile_rows", np.int32),
         ("tile_columns", np.int32),
+        ("last_row", np.int32),  # first sample of the last row of tiles
+        ("last_column", np.int32),
         ("dx", np.float32),
         ("dy", np.float32),
     ]

@@ -17,7 +17,7 @@ from .errors import DeviceError
 
 KERNELS: Final = files(f"{__package__}.kernels")
 
-_INCLUDE: Final = re.compile(r'\s*#\s*include\s+"([^"]+)"')
+_INCLUDE: Final = re.compile(r'\s*#\s*include\s+(?:"([^"]+)"|(\w+))')
 
 
 def kernel_source(
@@ -41,8 +41,10 @@ def kernel_source(
     DeviceError
         If a file or an include does not exist; names who asked for it.
     """
-    heading = [f"#define {name} {_literal(value)}" for name, value in (defines or {}).items()]
-    return "\n".join(heading + _resolve(file, "the engine", generated or {}, set())) + "\n"
+    literals = {name: _literal(value) for name, value in (defines or {}).items()}
+    heading = [f"#define {name} {literal}" for name, literal in literals.items()]
+    headers = _Headers(generated or {}, literals)
+    return "\n".join(heading + headers.resolve(file, "the engine")) + "\n"
 
 
 def _literal(value: int | float | str) -> str:
@@ -54,25 +56,35 @@ def _literal(value: int | float | str) -> str:
     return f"{float(value)!r}f"
 
 
-def _resolve(file: str, asker: str, generated: Mapping[str, str], seen: set[str]) -> list[str]:
-    if file in seen:
-        return []
-    seen.add(file)
-    lines = [f'#line 1 "{file}"']
-    for number, line in enumerate(_read(file, asker, generated).splitlines(), start=1):
-        include = _INCLUDE.match(line)
-        if include is None:
-            lines.append(line)
-            continue
-        lines += _resolve(include[1], f"{file}:{number}", generated, seen)
-        lines.append(f'#line {number + 1} "{file}"')
-    return lines
+class _Headers:
+    """The files of one kernel text, each taken in once."""
 
+    def __init__(self, generated: Mapping[str, str], defines: Mapping[str, str]) -> None:
+        self._generated = generated
+        self._defines = defines
+        self._seen: set[str] = set()
 
-def _read(file: str, asker: str, generated: Mapping[str, str]) -> str:
-    if file in generated:
-        return generated[file]
-    path = KERNELS / file
-    if not path.is_file():
-        raise DeviceError(f"{asker} wants kernels/{file}: there is no such file")
-    return path.read_text(encoding="utf-8")
+    def resolve(self, file: str, asker: str) -> list[str]:
+        """Return the lines of `file` with its includes in place; none if it is in already."""
+        if file in self._seen:
+            return []
+        self._seen.add(file)
+        lines = [f'#line 1 "{file}"']
+        for number, line in enumerate(self._read(file, asker).splitlines(), start=1):
+            include = _INCLUDE.match(line)
+            if include is None:
+                lines.append(line)
+                continue
+            # #include NAME takes in the file that the define NAME stands for
+            name = include[1] or self._defines.get(include[2], include[2]).strip('"')
+            lines += self.resolve(name, f"{file}:{number}")
+            lines.append(f'#line {number + 1} "{file}"')
+        return lines
+
+    def _read(self, file: str, asker: str) -> str:
+        if file in self._generated:
+            return self._generated[file]
+        path = KERNELS / file
+        if not path.is_file():
+            raise DeviceError(f"{asker} wants kernels/{file}: there is no such file")
+        return path.read_text(encoding="utf-8")

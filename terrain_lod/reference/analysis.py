@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -51,7 +52,9 @@ def fit_tile(
 
 def _corner_slopes(heights: Array, spacing: tuple[float, float]) -> tuple[float, float]:
     """Return the slopes a cell of the mean of the four corners' unit normals."""
-    across, down = ((extent - 1) * step for extent, step in zip(heights.shape[::-1], spacing))
+    across, down = (
+        (extent - 1) * step for extent, step in zip(heights.shape[::-1], spacing, strict=True)
+    )
     (nw, ne), (sw, se) = heights[:: len(heights) - 1, :: heights.shape[1] - 1]
     total = np.zeros(3)
     for east in (ne - nw, se - sw):
@@ -73,6 +76,6 @@ def analyse(ground: Heightmap, *, tile: int = 15, plane: str = "least_squares") 
             ground.spacing,
             plane,
         )
-        for top, bottom in zip(corner_rows, corner_rows[1:])
-        for left, right in zip(corner_columns, corner_columns[1:])
+        for top, bottom in pairwise(corner_rows)
+        for left, right in pairwise(corner_columns)
     ]

@@ -1,0 +1,145 @@
+// The hull stage: tessellation factors of every patch from its 12 control points.
+//
+// The patch-constant function of interlocking tiles ("Practical Rendering and Computation with
+// Direct3D 11", section 9.1.1, after Snook 2001): midpoints of the own tile and of its four
+// neighbours, a level of detail for each, the own for the inside, a rule of two for each edge.
+//
+//             10 --- 11                 u east, v south; at the border of the terrain
+//              |     |                  far corners are clamped onto near ones, and the
+//        8 --- 0 --- 1 --- 4            neighbour's midpoint is the midpoint of the edge
+//        |     |     |     |
+//        9 --- 2 --- 3 --- 5            edges: u = 0 west, v = 0 north, u = 1 east, v = 1 south
+//              |     |
+//              6 --- 7
+//
+// Both sides of an edge must find the same bits: corners are summed row by row from the north-west
+// whichever tile asks, and the level of detail is a function of the tile alone.
+//
+// Built with: LOD, a header that defines patch_lod(); EDGE_RULE, fmin or fmax.
+#include "common.h"
+#include "patch.h"
+#include LOD
+
+// a tile as a patch sees it: itself, or the neighbour across one of its edges
+#define OWN 0
+#define WEST 1
+#define NORTH 2
+#define EAST 3
+#define SOUTH 4
+
+// control points of the own tile and its neighbours: north-west, north-east, south-west, south-east
+__constant int CORNERS[5][4] = {
+    {0, 1, 2, 3}, {8, 0, 9, 2}, {10, 11, 0, 1}, {1, 4, 3, 5}, {2, 3, 6, 7}};
+__constant int ROW_STEP[5] = {0, 0, -1, 0, 1};
+__constant int COLUMN_STEP[5] = {0, -1, 0, 1, 0};
+
+// index of a tile's neighbour, clamped onto the tile itself at the border
+inline int neighbour(Grid grid, int patch, int side)
+{
+    const int row = patch / grid.tile_columns + ROW_STEP[side];
+    const int column = patch % grid.tile_columns + COLUMN_STEP[side];
+    const bool outside = row < 0 || row >= grid.tile_rows
+                      || column < 0 || column >= grid.tile_columns;
+    return outside ? patch : row * grid.tile_columns + column;
+}
+
+inline float3 midpoint(__global const float4 *control_points, __global const int *indices,
+                       int side)
+{
+    const float4 corner[4] = {
+        control_points[indices[CORNERS[side][0]]], control_points[indices[CORNERS[side][1]]],
+        control_points[indices[CORNERS[side][2]]], control_points[indices[CORNERS[side][3]]]};
+    const float4 sum = ((corner[0] + corner[1]) + corner[2]) + corner[3];
+    return sum.xyz * 0.25f;
+}
+
+inline Patch look_at(Grid grid, int patch, int side,
+                     __global const float4 *control_points, __global const int *indices,
+                     __global const float4 *planes, __global const float4 *details)
+{
+    const int tile = neighbour(grid, patch, side);
+    Patch seen;
+    seen.midpoint = midpoint(control_points, indices, side);
+    seen.normal = planes[tile].xyz;
+    seen.deviation = details[tile].x;
+    seen.minimum = details[tile].y;
+    seen.maximum = details[tile].z;
+    seen.holes = details[tile].w;
+    return seen;
+}
+
+// Return true where the box is outside one plane for certain. Rounding is on the patch's side:
+// each product and sum below is right to within a few 2^-24 of its largest term.
+inline bool outside_frustum(const View view, float3 low, float3 high)
+{
+    bool outside = false;
+    for (int i = 0; i < FRUSTUM_PLANES; ++i) {
+        const float x = view.planes[i][0] * (view.planes[i][0] > 0.0f ? high.x : low.x);
+        const float y = view.planes[i][1] * (view.planes[i][1] > 0.0f ? high.y : low.y);
+        const float z = view.planes[i][2] * (view.planes[i][2] > 0.0f ? high.z : low.z);
+        const float w = view.planes[i][3];
+        const float slack = 1e-6f * (fabs(x) + fabs(y) + fabs(z) + fabs(w));
+        outside |= x + y + z + w < -slack;
+    }
+    return outside;
+}
+
+inline bool is_culled(Grid grid, Tile tile, const View view, const Patch own)
+{
+    const float3 low = (float3)(tile.column * grid.dx,
+                                -(tile.row + tile.cells_down) * grid.dy, own.minimum);
+    const float3 high = (float3)((tile.column + tile.cells_across) * grid.dx,
+                                 -tile.row * grid.dy, own.maximum);
+    return outside_frustum(view, low, high);
+}
+
+// one segment a cell is all that the raster can show; where a tile has holes it is what keeps
+// triangles off them
+inline float inside_factor(float lod, bool has_holes, int cells)
+{
+    return has_holes ? cells : fmax(fmin(lod, (float)cells), 1.0f);
+}
+
+inline float edge_factor(const Patch own, float own_lod, const Patch other, float other_lod,
+                         int cells)
+{
+    const float lod = isnan(other_lod) ? own_lod : EDGE_RULE(own_lod, other_lod);
+    return inside_factor(lod, own.holes > 0.0f || other.holes > 0.0f, cells);
+}
+
+__kernel void hull(const Grid grid, const View view, const int cull,
+                   __global const float *parameters,        // of the level of detail
+                   __global const float4 *control_points,   // (TR + 1, TC + 1)
+                   __global const int *patch_indices,       // (P, 12)
+                   __global const float4 *planes,           // (P,)
+                   __global const float4 *details,          // (P,)
+                   __global float *edge_factors,            // (P, 4)
+                   __global float *inside_factors)          // (P, 2)
+{
+    const int patch = get_global_id(0);
+    if (patch >= tile_count(grid))
+        return;
+    __global const int *indices = patch_indices + patch * CONTROL_POINTS;
+    const Tile tile = tile_at(grid, patch);
+
+    Patch seen[5];
+    float lod[5];
+    for (int side = OWN; side <= SOUTH; ++side) {
+        seen[side] = look_at(grid, patch, side, control_points, indices, planes, details);
+        lod[side] = isnan(seen[side].minimum) ? NAN : patch_lod(seen[side], view, parameters);
+    }
+
+    const bool empty = isnan(lod[OWN]);
+    const bool culled = empty || (cull && is_culled(grid, tile, view, seen[OWN]));
+    const bool holes = seen[OWN].holes > 0.0f;
+    for (int edge = 0; edge < EDGES; ++edge) {
+        // edges u = 0 and u = 1 run along v, south
+        const int cells = edge % 2 == 0 ? tile.cells_down : tile.cells_across;
+        const float factor = edge_factor(seen[OWN], lod[OWN], seen[edge + 1], lod[edge + 1], cells);
+        edge_factors[patch * EDGES + edge] = culled ? 0.0f : factor;
+    }
+    inside_factors[patch * INSIDES + 0] =
+        culled ? 0.0f : inside_factor(lod[OWN], holes, tile.cells_across);
+    inside_factors[patch * INSIDES + 1] =
+        culled ? 0.0f : inside_factor(lod[OWN], holes, tile.cells_down);
+}

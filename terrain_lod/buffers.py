@@ -1,0 +1,102 @@
+"""What stages hand to each other on the device: small records of arrays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .device import Device, DeviceArray
+from .heightmap import Heightmap
+
+
+@dataclass(frozen=True, eq=False)
+class DeviceGround:
+    """A heightmap.
+
+    Attributes
+    ----------
+    heights : DeviceArray, (R, C) float32
+    holes : DeviceArray, (R, C) uint8, or (1,) where data is everywhere
+        Not zero where there is no data.
+    masked : bool
+    """
+
+    heights: DeviceArray
+    holes: DeviceArray
+    masked: bool
+
+    @classmethod
+    def upload(cls, ground: Heightmap, device: Device) -> DeviceGround:
+        """Copy `ground` to the device, or refuse it with the bytes wanted and had."""
+        masked = ground.mask is not None
+        holes = ground.mask if ground.mask is not None else np.zeros(1, bool)
+        rows, columns = ground.shape
+        device.require(f"a raster of {rows} x {columns}", ground.heights.nbytes, holes.nbytes)
+        return cls(device.array(ground.heights), device.array(holes.view(np.uint8)), masked)
+
+    @property
+    def device(self) -> Device:
+        return self.heights.device
+
+
+@dataclass(frozen=True, eq=False)
+class DeviceAnalysis:
+    """What the analysis found of every tile.
+
+    Attributes
+    ----------
+    planes : DeviceArray, (TR, TC, 4) float32
+        Unit normal, height at the tile's centre.
+    details : DeviceArray, (TR, TC, 4) float32
+        Deviation, minimum, maximum, samples without data.
+    """
+
+    planes: DeviceArray
+    details: DeviceArray
+
+
+@dataclass(frozen=True, eq=False)
+class DevicePatches:
+    """The hull stage's input.
+
+    Attributes
+    ----------
+    control_points : DeviceArray, (TR + 1, TC + 1, 4) float32
+        x, y, z relative to the terrain's origin and base, and 1.
+    indices : DeviceArray, (P, 12) int32
+    """
+
+    control_points: DeviceArray
+    indices: DeviceArray
+
+
+@dataclass(frozen=True, eq=False)
+class DeviceFactors:
+    """The hull stage's output.
+
+    Attributes
+    ----------
+    edge : DeviceArray, (P, 4) float32
+        u = 0, v = 0, u = 1, v = 1; all 0 where the patch is culled.
+    inside : DeviceArray, (P, 2) float32
+        Along u and v.
+    """
+
+    edge: DeviceArray
+    inside: DeviceArray
+
+
+@dataclass(frozen=True, eq=False)
+class DeviceVertices:
+    """The domain stage's output.
+
+    Attributes
+    ----------
+    positions : DeviceArray, (N, 3) float32
+        Relative to the terrain's origin and base.
+    normals : DeviceArray, (N, 3) float32
+    """
+
+    positions: DeviceArray
+    normals: DeviceArray

@@ -1,0 +1,166 @@
+"""Levels of detail: how many segments a patch deserves, seen from a camera.
+
+A level of detail is a small class here, a header of ``kernels/`` that defines ``patch_lod()``, and
+a function of ``terrain_lod.reference.lod``. The class's numbers reach the header by name: a field
+``near`` is ``parameters[LOD_NEAR]``.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import ClassVar
+
+from .arguments import finite, positive
+from .errors import InputError
+from .layout import MAX_TILE
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What defaults are taken from, in world units.
+
+    Attributes
+    ----------
+    diagonal : float
+        Of the ground's bounding box.
+    rough_deviation : float
+        Deviation that 90 % of the tiles stay below.
+    """
+
+    diagonal: float
+    rough_deviation: float
+
+
+class Lod(ABC):
+    """A level of detail, as the hull stage takes it.
+
+    Attributes
+    ----------
+    header : str
+        File of ``kernels/`` that defines its ``patch_lod()``.
+    needs_camera : bool
+    """
+
+    header: ClassVar[str]
+    needs_camera: ClassVar[bool] = True
+
+    @abstractmethod
+    def parameters(self, scene: Scene) -> dict[str, float]:
+        """Return the numbers that the header reads, defaults filled in from the scene."""
+
+
+@dataclass(frozen=True)
+class UniformLod(Lod):
+    """The same tessellation factor everywhere.
+
+    Parameters
+    ----------
+    factor : float
+        Segments along an edge, 1 to 63; no tile gets more than its cells.
+    """
+
+    factor: float
+    header: ClassVar[str] = "lod_uniform.h"
+    needs_camera: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        _factor("factor", self.factor)
+
+    def parameters(self, scene: Scene) -> dict[str, float]:
+        return {"factor": self.factor}
+
+
+@dataclass(frozen=True)
+class DistanceLod(Lod):
+    """The nearer the camera, the more detail; the book's listing 9.7, clamped.
+
+    Parameters
+    ----------
+    near, far : float, optional
+        Distances in world units with the highest and the lowest detail; `far` defaults to the
+        diagonal of the ground.
+    minimum, maximum : float, optional
+        Factors at `far` and `near`, 1 to 63.
+    falloff : float, optional
+        Exponent of the nearness: 1 is linear, more keeps detail closer to the camera.
+    """
+
+    near: float = 0.0
+    far: float | None = None
+    minimum: float = 1.0
+    maximum: float = 15.0
+    falloff: float = 1.0
+    header: ClassVar[str] = "lod_distance.h"
+
+    def __post_init__(self) -> None:
+        _check_range(self.near, self.far, self.minimum, self.maximum)
+        positive("falloff", self.falloff)
+
+    def parameters(self, scene: Scene) -> dict[str, float]:
+        return {**_range_parameters(self, scene), "falloff": self.falloff}
+
+
+@dataclass(frozen=True)
+class CoplanarityLod(Lod):
+    """Distance scaled by deviation: detail where the ground leaves its plane.
+
+    Parameters
+    ----------
+    near, far, minimum, maximum : float, optional
+        As for :class:`DistanceLod`.
+    full_deviation : float, optional
+        Deviation in world units from which on a tile gets what its distance allows; defaults to
+        the deviation that 90 % of the ground's tiles stay below.
+    flat_weight : float, optional
+        Share of its distance's detail that an exactly flat tile keeps, 0 to 1.
+
+    Notes
+    -----
+    Zink, Pettineo, Hoxley: *Practical Rendering and Computation with Direct3D 11*, section 9.1.2.
+    """
+
+    near: float = 0.0
+    far: float | None = None
+    minimum: float = 1.0
+    maximum: float = 15.0
+    full_deviation: float | None = None
+    flat_weight: float = 0.1
+    header: ClassVar[str] = "lod_coplanarity.h"
+
+    def __post_init__(self) -> None:
+        _check_range(self.near, self.far, self.minimum, self.maximum)
+        if self.full_deviation is not None:
+            positive("full_deviation", self.full_deviation)
+        if not 0 <= finite("flat_weight", self.flat_weight) <= 1:
+            raise InputError(f"expected flat_weight from 0 to 1, got {self.flat_weight:g}")
+
+    def parameters(self, scene: Scene) -> dict[str, float]:
+        rough = scene.rough_deviation if self.full_deviation is None else self.full_deviation
+        return {
+            **_range_parameters(self, scene),
+            # on perfectly flat ground any positive number means flat
+            "full_deviation": rough if rough > 0 else 1.0,
+            "flat_weight": self.flat_weight,
+        }
+
+
+def _range_parameters(lod: DistanceLod | CoplanarityLod, scene: Scene) -> dict[str, float]:
+    far = lod.near + scene.diagonal if lod.far is None else lod.far
+    return {"near": lod.near, "far": far, "minimum": lod.minimum, "maximum": lod.maximum}
+
+
+def _factor(name: str, value: float) -> None:
+    if not 1 <= finite(name, value) <= MAX_TILE:
+        raise InputError(f"expected {name} from 1 to {MAX_TILE}, got {value:g}")
+
+
+def _check_range(near: float, far: float | None, minimum: float, maximum: float) -> None:
+    if finite("near", near) < 0:
+        raise InputError(f"expected near >= 0, got {near:g}")
+    if far is not None and finite("far", far) <= near:
+        raise InputError(f"expected far > near, got far {far:g} and near {near:g}")
+    _factor("minimum", minimum)
+    _factor("maximum", maximum)
+    if maximum < minimum:
+        raise InputError(f"expected maximum >= minimum, got {maximum:g} and {minimum:g}")
