@@ -27,12 +27,14 @@ import pyopencl as cl
 from . import layout
 from .device_info import DeviceInfo, find_device, gibibytes, listing
 from .errors import DeviceError, DeviceMemoryError, InputError
+from .linker import provide_linker
 from .parameters import Parameter
 from .sources import kernel_source
 from .timeline import Timeline
 
 DEVICE_VARIABLE: Final = "TERRAIN_LOD_DEVICE"
 PYOPENCL_VARIABLE: Final = "PYOPENCL_CTX"
+POCL: Final = "Portable Computing Language"
 
 _listing_process: int | None = None  # which process has listed devices
 _opening = threading.Lock()
@@ -237,6 +239,8 @@ class Device:
 
     def __init__(self, handle: cl.Device) -> None:
         self.info = _info(handle)
+        if self.info.platform == POCL:
+            provide_linker()
         with _named(f"opening {self.info}"):
             self.context = cl.Context([handle])
             self.queue = cl.CommandQueue(
@@ -244,6 +248,7 @@ class Device:
             )
         self.lock = threading.RLock()
         self.allocated = 0
+        self.has_doubles = "cl_khr_fp64" in handle.extensions.split()
         self._exact_division = bool(
             handle.single_fp_config & cl.device_fp_config.CORRECTLY_ROUNDED_DIVIDE_SQRT
         )
