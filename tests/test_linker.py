@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import ctypes
 import json
 import os
+import platform
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -90,6 +93,39 @@ def test_it_gives_what_the_systems_linker_gives(tmp_path: Path) -> None:
         pytest.skip("this machine has no compiler")
     bare = run_with("/nonexistent", tmp_path, "bare")
     assert whole.stdout == bare.stdout != ""
+
+
+C_SOURCE = """
+#include <string.h>
+int counter = 40;                                    // .data, through the offset table
+static int zeros[1000];                              // .bss
+static const char *const words[] = {"a", "bc", ""};  // pointers that the loader fills in
+typedef size_t (*measure)(const char *);
+measure measures[] = {strlen};                       // a pointer to another library's function
+static int hidden(int i) { return (int)measures[0](words[i]) + zeros[i * 400]; }
+int total(void)
+{
+    counter += 2;
+    return counter * 10 + hidden(0) + hidden(1) + (int)strlen(words[2]);
+}
+"""
+
+
+@pytest.mark.skipif(
+    shutil.which("cc") is None or platform.machine() != "x86_64", reason="needs a compiler"
+)
+def test_every_kind_of_reference_is_resolved(tmp_path: Path) -> None:
+    (tmp_path / "total.c").write_text(C_SOURCE)
+    objects, library = tmp_path / "total.o", tmp_path / "total.so"
+    compiler = ["cc", "-O1", "-fPIC", "-fno-plt", "-fno-builtin", "-c", "-o", objects]
+    subprocess.run([*compiler, tmp_path / "total.c"], check=True)
+    kinds = {fix.kind for fix in elf_linker.read_object(objects.read_bytes())[2]}
+    assert elf_linker.ABSOLUTE_64 in kinds
+    assert kinds & {*elf_linker.TABLE_32}
+    assert elf_linker.main(["-shared", "-o", str(library), str(objects), "-lc"]) == 0
+    linked = ctypes.CDLL(str(library))
+    assert (linked.total(), linked.total()) == (423, 443)
+    assert not hasattr(linked, "hidden")
 
 
 def test_what_it_cannot_link_is_one_line(
