@@ -49,6 +49,10 @@ inline float height_between(const Ground ground, Coordinate column, Coordinate r
 // the gradients at the four samples around, bilinear as well; on a sample there is just one
 inline float2 gradient_between(const Ground ground, Coordinate column, Coordinate row)
 {
+    if (is_inner_cell(ground, row.cell, column.cell))
+        return inner_gradient(ground, row.cell, column.cell,
+                              column.fraction * (1.0f / FIXED_ONE),
+                              row.fraction * (1.0f / FIXED_ONE));
     float2 gradient = sample_gradient(ground, row.cell, column.cell);
     if (column.fraction > 0) {
         const float2 right = sample_gradient(ground, row.cell, column.cell + 1);

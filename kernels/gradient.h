@@ -6,6 +6,8 @@
 //
 // At the border and beside holes a difference is taken to the sample itself, one-sided, and still
 // exact on a plane. (The book's listing 9.9 has neither spacing nor a true third component.)
+//
+// Differences come first and weights after: heights far from zero would drown them.
 #ifndef GRADIENT_H
 #define GRADIENT_H
 
@@ -22,28 +24,23 @@ inline float sample_height(const Ground ground, int row, int column)
     return ground.heights[sample_index(ground.grid, row, column)];
 }
 
-inline int inside_range(int value, int end)
-{
-    return value < 0 ? 0 : value >= end ? end - 1 : value;
-}
-
-#if MASKED
-
 inline bool has_sample(const Ground ground, int row, int column)
 {
     return row >= 0 && row < ground.grid.rows && column >= 0 && column < ground.grid.columns
-        && !ground.holes[sample_index(ground.grid, row, column)];
+#if MASKED
+        && !ground.holes[sample_index(ground.grid, row, column)]
+#endif
+        ;
 }
 
 // Add a weighted difference a cell along (row_step, column_step) at one sample.
 inline void add_difference(const Ground ground, int row, int column, int row_step, int column_step,
                            float weight, float *sum, float *weights)
 {
-    int ahead = has_sample(ground, row + row_step, column + column_step);
-    int behind = has_sample(ground, row - row_step, column - column_step);
-    if (!ahead + !behind > 0 && !has_sample(ground, row, column))
-        return;
-    if (ahead + behind == 0)
+    const int ahead = has_sample(ground, row + row_step, column + column_step);
+    const int behind = has_sample(ground, row - row_step, column - column_step);
+    // one-sided differences need the sample itself
+    if (ahead + behind == 0 || (ahead + behind == 1 && !has_sample(ground, row, column)))
         return;
     const float difference =
         sample_height(ground, row + ahead * row_step, column + ahead * column_step)
@@ -52,6 +49,7 @@ inline void add_difference(const Ground ground, int row, int column, int row_ste
     *weights += weight;
 }
 
+// rise a metre to the east and to the north
 inline float2 sample_gradient(const Ground ground, int row, int column)
 {
     float east = 0.0f, south = 0.0f, east_weights = 0.0f, south_weights = 0.0f;
@@ -66,28 +64,46 @@ inline float2 sample_gradient(const Ground ground, int row, int column)
                     south_weights > 0.0f ? -south / (south_weights * ground.grid.dy) : 0.0f);
 }
 
-#else
+// four samples of a row, at any address
+typedef float4 Samples4 __attribute__((aligned(4)));
 
-// rise a metre to the east and to the north
-inline float2 sample_gradient(const Ground ground, int row, int column)
+// Return true where the 4 x 4 samples around a cell all have data.
+inline bool is_inner_cell(const Ground ground, int row, int column)
 {
-    const Grid grid = ground.grid;
-    const int above = inside_range(row - 1, grid.rows), below = inside_range(row + 1, grid.rows);
-    const int left = inside_range(column - 1, grid.columns);
-    const int right = inside_range(column + 1, grid.columns);
-    __global const float *north = ground.heights + sample_index(grid, above, 0);
-    __global const float *middle = ground.heights + sample_index(grid, row, 0);
-    __global const float *south = ground.heights + sample_index(grid, below, 0);
-    const float west_to_east = (north[right] - north[left]) + 2.0f * (middle[right] - middle[left])
-                             + (south[right] - south[left]);
-    const float south_to_north = (north[left] - south[left])
-                               + 2.0f * (north[column] - south[column])
-                               + (north[right] - south[right]);
-    return (float2)(west_to_east / (4 * (right - left) * grid.dx),
-                    south_to_north / (4 * (below - above) * grid.dy));
+    if (row < 1 || row >= ground.grid.rows - 2 || column < 1 || column >= ground.grid.columns - 2)
+        return false;
+    uchar holes = 0;
+#if MASKED
+    for (int down = -1; down <= 2; ++down)
+        for (int across = -1; across <= 2; ++across)
+            holes |= ground.holes[sample_index(ground.grid, row + down, column + across)];
+#endif
+    return !holes;
 }
 
-#endif
+// In an inner cell: the gradients of the four samples around, blended, from 4 x 4 samples.
+//
+//     blending the four operators is one operator with the weights
+//
+//         fraction x           1 - x   2 - x   1 + x   x       across the differences
+//                             -(1 - x)  -x     1 - x   x       along them
+inline float2 inner_gradient(const Ground ground, int row, int column, float x, float y)
+{
+    const size_t stride = ground.grid.columns;
+    __global const float *corner = ground.heights + sample_index(ground.grid, row - 1, column - 1);
+    const float4 a = *(__global const Samples4 *)corner;
+    const float4 b = *(__global const Samples4 *)(corner + stride);
+    const float4 c = *(__global const Samples4 *)(corner + 2 * stride);
+    const float4 d = *(__global const Samples4 *)(corner + 3 * stride);
+    const float2 eastward = (1.0f - y) * (a.zw - a.xy) + (2.0f - y) * (b.zw - b.xy)
+                          + (1.0f + y) * (c.zw - c.xy) + y * (d.zw - d.xy);
+    const float4 northward = (1.0f - y) * (a - c) + y * (b - d);
+    const float west_to_east = (1.0f - x) * eastward.x + x * eastward.y;
+    const float south_to_north = (1.0f - x) * northward.x + (2.0f - x) * northward.y
+                               + (1.0f + x) * northward.z + x * northward.w;
+    return (float2)(west_to_east / (8.0f * ground.grid.dx),
+                    south_to_north / (8.0f * ground.grid.dy));
+}
 
 // unit normal of a surface with this gradient
 inline float3 normal_of(float2 gradient)
@@ -98,8 +114,8 @@ inline float3 normal_of(float2 gradient)
     const float steepest = x > y ? x : y;
     const float scale = steepest > 1e15f ? 1.0f / steepest : 1.0f;
     const float east = -gradient.x * scale, north = -gradient.y * scale;
-    const float length = sqrt(east * east + north * north + scale * scale);
-    return (float3)(east / length, north / length, scale / length);
+    const float inverse = 1.0f / sqrt(east * east + north * north + scale * scale);
+    return (float3)(east * inverse, north * inverse, scale * inverse);
 }
 
 #endif

@@ -1,0 +1,92 @@
+"""Positions and normals of a pattern's points, in float64: what ``kernels/domain.cl`` computes."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from ..grid import TileGrid
+from ..heightmap import Heightmap
+from ..layout import FIXED_ONE
+
+Array = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
+
+
+def global_coordinates(
+    grid: TileGrid, points: npt.NDArray[np.uint32], patch_of_point: Integers
+) -> tuple[Integers, Integers]:
+    """Return columns and rows in 1/65536 of a cell; a point near a sample is put onto it."""
+    tile_row, tile_column = np.divmod(patch_of_point, grid.shape[1])
+
+    def along(corners: Integers, tile: Integers, fraction: npt.NDArray[np.uint32]) -> Integers:
+        offset = fraction.astype(np.int64) * (corners[tile + 1] - corners[tile])
+        sample = np.rint(offset / FIXED_ONE).astype(np.int64) * FIXED_ONE
+        snapped = np.where(abs(offset - sample) <= (grid.tile + 1) // 2, sample, offset)
+        return corners[tile] * FIXED_ONE + snapped
+
+    columns = along(grid.corner_columns, tile_column, points[:, 0])
+    rows = along(grid.corner_rows, tile_row, points[:, 1])
+    return columns, rows
+
+
+def sample_gradients(ground: Heightmap) -> Array:
+    """Return rise a unit to the east and to the north at every sample; (R, C, 2).
+
+    A Sobel operator; beside the border and holes its differences are one-sided.
+    """
+    return np.stack(
+        [
+            _sobel(ground, axis=1) / ground.spacing[0],
+            -_sobel(ground, axis=0) / ground.spacing[1],
+        ],
+        axis=-1,
+    )
+
+
+def _sobel(ground: Heightmap, axis: int) -> Array:
+    """Return the rise a cell along `axis`, smoothed 1 2 1 across it."""
+    heights = np.where(ground.valid, ground.heights.astype(np.float64), np.nan)
+    padded = np.pad(heights, 1, constant_values=np.nan)
+    if axis == 0:
+        padded = padded.T
+    behind, here, ahead = padded[1:-1, :-2], padded[1:-1, 1:-1], padded[1:-1, 2:]
+    central = (ahead - behind) / 2
+    one_sided = np.where(np.isnan(ahead), here - behind, ahead - here)
+    difference = np.where(np.isnan(central), one_sided, central)
+    around = np.pad(difference, ((1, 1), (0, 0)), constant_values=np.nan)
+    rows = np.stack([around[:-2], around[1:-1], around[2:]])
+    weights = np.array([1.0, 2.0, 1.0])[:, None, None] * ~np.isnan(rows)
+    total = weights.sum(axis=0)
+    rise = (weights * np.nan_to_num(rows)).sum(axis=0) / np.where(total > 0, total, 1)
+    return rise.T if axis == 0 else rise
+
+
+def _between(values: Array, columns: Integers, rows: Integers) -> Array:
+    """Return `values` (R, C, ...) bilinear at global coordinates."""
+    column, row = columns // FIXED_ONE, rows // FIXED_ONE
+    extra = (1,) * (values.ndim - 2)
+    x = ((columns % FIXED_ONE) / FIXED_ONE).reshape(-1, *extra)
+    y = ((rows % FIXED_ONE) / FIXED_ONE).reshape(-1, *extra)
+    right, below = column + (columns % FIXED_ONE > 0), row + (rows % FIXED_ONE > 0)
+    upper = values[row, column] * (1 - x) + values[row, right] * x
+    lower = values[below, column] * (1 - x) + values[below, right] * x
+    result: Array = upper * (1 - y) + lower * y
+    return result
+
+
+def displace(
+    ground: Heightmap,
+    grid: TileGrid,
+    points: npt.NDArray[np.uint32],
+    patch_of_point: Integers,
+) -> tuple[Array, Array]:
+    """Return positions (N, 3), relative to the terrain's origin and base, and normals (N, 3)."""
+    columns, rows = global_coordinates(grid, points, patch_of_point)
+    heights = _between(ground.heights.astype(np.float64), columns, rows)
+    x = columns / FIXED_ONE * ground.spacing[0]
+    y = -rows / FIXED_ONE * ground.spacing[1]
+    gradients = _between(sample_gradients(ground), columns, rows)
+    normals = np.column_stack([-gradients, np.ones(len(gradients))])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    return np.column_stack([x, y, heights]), normals
