@@ -132,8 +132,9 @@ def _shaded(
     if height_range is None:
         low, high = (float(heights.min()), float(heights.max())) if len(heights) else (0.0, 1.0)
     else:
-        low, high = _rising("height_range", height_range)
-        low, high = low - mesh.origin[2], high - mesh.origin[2]
+        low, high = (finite("height_range", bound) - mesh.origin[2] for bound in height_range)
+        if low > high:
+            raise InputError(f"expected a height_range that rises, got {height_range}")
     colours = lit(hypsometric(heights, mesh.normals, (low, high)), mesh.normals, sun)
     # at the mesh's own length away, a quarter of what is seen is air
     away = np.linalg.norm(mesh.vertices - np.subtract(camera.eye, mesh.origin), axis=1)
@@ -149,21 +150,14 @@ def _by_detail(
         raise InputError("expected a mesh with patches for style 'lod', got one without")
     if factor_range is None:
         factor_range = (1.0, max(2.0, float(mesh.patches.tile)))
-    detail = lod_colours(
-        mesh.patches.inside_factors.mean(axis=1), _rising("factor_range", factor_range)
-    )
+    if not finite("factor_range", factor_range[0]) < finite("factor_range", factor_range[1]):
+        raise InputError(f"expected a factor_range that rises, got {factor_range}")
+    detail = lod_colours(mesh.patches.inside_factors.mean(axis=1), factor_range)
     a, b, c = (mesh.vertices[mesh.triangles[:, corner]] for corner in range(3))
     across = np.cross(b - a, c - a)
     across /= np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-30)
     light = 0.55 + 0.45 * np.maximum(across @ sun, 0.0)
     return (detail[mesh.triangle_patches] * light[:, None]).astype(np.float32)
-
-
-def _rising(name: str, bounds: tuple[float, float]) -> tuple[float, float]:
-    low, high = finite(name, bounds[0]), finite(name, bounds[1])
-    if low >= high:
-        raise InputError(f"expected a {name} that rises, got {low:g} to {high:g}")
-    return low, high
 
 
 # drawing

@@ -1,0 +1,221 @@
+"""A report on a ground: distance LOD against coplanarity LOD, in numbers, pictures and words."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, Final
+
+from .camera import Camera
+from .device import Device
+from .errors import FileError
+from .files import replacing
+from .graphics import graphics_problem
+from .heightmap import Heightmap
+from .layout import DEFAULT_TILE
+from .lod import CoplanarityLod, DistanceLod
+from .report_compare import Comparison, compare
+from .report_maps import save_maps
+from .report_page import page
+from .report_pictures import COUNT, Difference, save_pictures
+from .report_tables import Row, rows_of
+from .report_verdict import verdict
+from .terrain import Terrain
+from .viewpoint import default_camera
+
+# of the JSON file; raised when a key changes its meaning
+FORMAT: Final = 1
+
+_STEPS: Final = 1 + 3 + COUNT + 1 + 1  # terrain, trials, pictures, maps, texts
+
+
+@dataclass(frozen=True, eq=False)
+class Report:
+    """What a report found and wrote.
+
+    Attributes
+    ----------
+    comparison : Comparison
+    rows : tuple of Row
+        Every number, with its unit.
+    verdict : tuple of str
+        Sentences.
+    files : dict of str to Path
+        ``html``, ``json``, ``csv``, ``maps`` and, where this machine can draw, the pictures.
+    """
+
+    comparison: Comparison
+    rows: tuple[Row, ...]
+    verdict: tuple[str, ...]
+    files: dict[str, Path]
+
+
+def report(
+    ground: Heightmap,
+    directory: str | Path,
+    *,
+    camera: Camera | None = None,
+    tile: int = DEFAULT_TILE,
+    plane: str = "least_squares",
+    edges: str = "min",
+    distance: DistanceLod | None = None,
+    coplanarity: CoplanarityLod | None = None,
+    device: Device | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Report:
+    """Compare naive distance LOD with coplanarity LOD at one camera and write down what came out.
+
+    Writes ``report.html`` (self-contained), ``report.json``, ``report.csv``, ``maps.svg`` and,
+    where this machine can draw, PNG pictures of both in every style and of their difference. The
+    same ground, camera and device give the same files, save for times.
+
+    Parameters
+    ----------
+    ground : Heightmap
+    directory : str or Path
+        Made if it is not there.
+    camera : Camera, optional
+        Default: an oblique view over the ground.
+    tile : int, optional
+    plane : {"least_squares", "corners"}, optional
+    edges : {"min", "max"}, optional
+    distance : DistanceLod, optional
+    coplanarity : CoplanarityLod, optional
+    device : Device, optional
+    progress : callable, optional
+        Called with steps done and steps in all.
+
+    Returns
+    -------
+    Report
+
+    Raises
+    ------
+    InputError
+        If an option is not one of these.
+    FileError
+        If the directory or a file cannot be written.
+    DeviceMemoryError
+        If the device cannot hold the ground or a mesh.
+    """
+    done = 0
+
+    def step() -> None:
+        nonlocal done
+        done += 1
+        if progress is not None:
+            progress(done, _STEPS)
+
+    camera = camera or default_camera(ground)
+    terrain = Terrain(ground, tile=tile, plane=plane, device=device)
+    step()
+    comparison = compare(
+        terrain,
+        camera,
+        distance=distance or DistanceLod(),
+        coplanarity=coplanarity or CoplanarityLod(),
+        edges=edges,
+        step=step,
+    )
+    folder = _made(Path(directory))
+    files, difference = save_pictures(comparison, folder, step)
+    files["maps"] = save_maps(comparison, folder / "maps.svg")
+    step()
+    rows, sentences = rows_of(comparison), verdict(comparison, difference)
+    texts = {
+        "csv": _csv(comparison, rows),
+        "json": _json(comparison, rows, sentences, difference),
+        "html": page(
+            comparison,
+            rows,
+            sentences,
+            files,
+            difference,
+            version=version("terrain_lod"),
+            no_pictures=graphics_problem(),
+        ),
+    }
+    for kind, text in texts.items():
+        files[kind] = _written(folder / f"report.{kind}", text)
+    if progress is not None:
+        progress(_STEPS, _STEPS)
+    return Report(comparison, tuple(rows), tuple(sentences), files)
+
+
+def _made(directory: Path) -> Path:
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise FileError(f"cannot make the folder {directory}: {error.strerror}") from None
+    return directory
+
+
+def _written(path: Path, text: str) -> Path:
+    with replacing(path) as temporary:
+        temporary.write_text(text, encoding="utf-8", newline="\n")
+    return path
+
+
+def _csv(comparison: Comparison, rows: Sequence[Row]) -> str:
+    """Return a line a quantity: its key, its unit, a value a trial."""
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(["quantity", "unit", *(trial.name for trial in comparison.trials)])
+    for row in rows:
+        values = ["" if value is None else repr(value) for value in row.values]
+        writer.writerow([row.key, row.unit, *values])
+    return stream.getvalue()
+
+
+def _json(
+    comparison: Comparison,
+    rows: Sequence[Row],
+    sentences: Sequence[str],
+    difference: Difference | None,
+) -> str:
+    """Return everything: what was compared, every quantity of every trial, the verdict."""
+    terrain, ground = comparison.terrain, comparison.terrain.ground
+    low, high = ground.height_range
+    content: dict[str, Any] = {
+        "format": FORMAT,
+        "terrain_lod": version("terrain_lod"),
+        "ground": {
+            "name": ground.name,
+            "rows": ground.shape[0],
+            "columns": ground.shape[1],
+            "spacing": ground.spacing,
+            "origin": ground.origin,
+            "lowest": low,
+            "highest": high,
+            "nodata": 0 if ground.mask is None else int(ground.mask.sum()),
+            "crs": ground.crs,
+        },
+        "camera": {name: _finite(value) for name, value in asdict(comparison.camera).items()},
+        "tile": terrain.grid.tile,
+        "edges": comparison.edges,
+        "device": str(terrain.device.info),
+        "trials": {
+            trial.name: {
+                "lod": type(trial.lod).__name__,
+                "parameters": trial.parameters,
+                "worst_sample": trial.error.where,
+                "worst_point": trial.error.point,
+                "quantities": {row.key: row.values[index] for row in rows},
+            }
+            for index, trial in enumerate(comparison.trials)
+        },
+        "units": {row.key: row.unit for row in rows if row.unit},
+        "difference": None if difference is None else asdict(difference),
+        "verdict": list(sentences),
+    }
+    return json.dumps(content, indent=2, allow_nan=False) + "\n"
+
+
+def _finite(value: Any) -> Any:
+    """Return None for an infinite number, which JSON has no name for."""
+    return None if isinstance(value, float) and value == float("inf") else value
