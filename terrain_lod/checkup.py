@@ -1,0 +1,70 @@
+"""The doctor's child process: says what devices there are, and runs checks on one of them.
+
+::
+
+    python -m terrain_lod.checkup TABLE                      the devices, and the table's kernels
+    python -m terrain_lod.checkup TABLE DEVICE KERNEL ...    one check after the other
+
+TABLE is a module with a dictionary ``CHECKS``. Each answer is one line of JSON, printed at once:
+where a driver ends the process, the answers before it have arrived.
+"""
+
+from __future__ import annotations
+
+import importlib
+import json
+import math
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from .device import Device, devices
+
+
+@dataclass(frozen=True)
+class Check:
+    """How far a kernel is from its reference.
+
+    Attributes
+    ----------
+    error, bound : float
+        The worst difference found, and the largest that rounding explains.
+    unit : str
+    """
+
+    error: float
+    bound: float
+    unit: str
+
+
+Checks = Mapping[str, Callable[[Device], Check]]
+"""By the stem of the kernel's file."""
+
+
+def main(arguments: list[str]) -> None:
+    table, *rest = arguments
+    checks: Checks = importlib.import_module(table).CHECKS
+    if not rest:
+        _answer(devices=[asdict(info) for info in devices()], kernels=list(checks))
+        return
+    number, *kernels = rest
+    device = Device.open(number)
+    for kernel in kernels:
+        try:
+            with device.timed() as timeline:
+                check = checks[kernel](device)
+        except Exception as error:  # whatever it is, the other kernels are still of interest
+            problem = f"{type(error).__name__}: {error}".partition("\n")[0]
+            _answer(kernel=kernel, problem=problem)
+        else:
+            seconds = timeline.seconds.get(kernel, math.nan)
+            _answer(kernel=kernel, seconds=seconds, **asdict(check))
+
+
+def _answer(**values: Any) -> None:
+    print(json.dumps(values), flush=True)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
