@@ -36,6 +36,21 @@ def replacing(path: str | Path) -> Iterator[Path]:
         temporary.unlink(missing_ok=True)
 
 
+def require_made(folder: Path) -> Path:
+    """Make `folder`, and those it is in, unless it is there; return it.
+
+    Raises
+    ------
+    FileError
+        If it cannot be made.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise FileError(f"cannot make the folder {folder}: {error.strerror}") from None
+    return folder
+
+
 def require_folder(path: Path) -> None:
     """Say so before the work begins if `path` cannot be written.
 

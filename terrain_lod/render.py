@@ -82,7 +82,8 @@ def render(
     GraphicsError
         If this machine cannot draw; the message names the command that mends it.
     InputError
-        If the style is unknown, a range is empty, or the picture is larger than drivers allow.
+        If the style is unknown, a range is empty, the picture is larger than drivers allow, or
+        `path` does not end in .png.
     FileError
         If the picture cannot be written.
     """
@@ -90,7 +91,7 @@ def render(
     if max(camera.size) > _LARGEST_WINDOW:
         raise InputError(f"expected a size of at most {_LARGEST_WINDOW} pixels, got {camera.size}")
     if path is not None:
-        require_folder(Path(path))
+        require_png(path)
     direction = sun_direction(finite("sun azimuth", sun[0]), finite("sun elevation", sun[1]))
     if style == "shaded":
         colours = _shaded(mesh, camera, direction, height_range)
@@ -110,12 +111,30 @@ def save_png(picture: Picture, path: str | Path) -> Path:
 
     Raises
     ------
+    InputError
+        If the name does not end in .png.
     FileError
         If the file cannot be written.
     """
+    require_png(path)
     with replacing(path) as temporary:
         Image.fromarray(picture).save(temporary, format="png")
     return Path(path)
+
+
+def require_png(path: str | Path) -> None:
+    """Say so before the work begins if `path` is no file that a picture can be written to.
+
+    Raises
+    ------
+    InputError
+        If the name does not end in .png.
+    FileError
+        If its folder does not exist or cannot be written.
+    """
+    if Path(path).suffix.lower() != ".png":
+        raise InputError(f"expected a name that ends in .png for a picture, got {Path(path).name}")
+    require_folder(Path(path))
 
 
 # colours

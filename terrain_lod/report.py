@@ -13,8 +13,7 @@ from typing import Any, Final
 
 from .camera import Camera
 from .device import Device
-from .errors import FileError
-from .files import replacing
+from .files import replacing, require_made
 from .graphics import graphics_problem
 from .heightmap import Heightmap
 from .layout import DEFAULT_TILE
@@ -47,12 +46,15 @@ class Report:
         Sentences.
     files : dict of str to Path
         ``html``, ``json``, ``csv``, ``maps`` and, where this machine can draw, the pictures.
+    no_pictures : str or None
+        Why there are no 3-D pictures.
     """
 
     comparison: Comparison
     rows: tuple[Row, ...]
     verdict: tuple[str, ...]
     files: dict[str, Path]
+    no_pictures: str | None
 
 
 def report(
@@ -122,10 +124,11 @@ def report(
         edges=edges,
         step=step,
     )
-    folder = _made(Path(directory))
+    folder = require_made(Path(directory))
     files, difference = save_pictures(comparison, folder, step)
     files["maps"] = save_maps(comparison, folder / "maps.svg")
     step()
+    problem = graphics_problem()
     rows, sentences = rows_of(comparison), verdict(comparison, difference)
     texts = {
         "csv": _csv(comparison, rows),
@@ -137,22 +140,14 @@ def report(
             files,
             difference,
             version=version("terrain_lod"),
-            no_pictures=graphics_problem(),
+            no_pictures=problem,
         ),
     }
     for kind, text in texts.items():
         files[kind] = _written(folder / f"report.{kind}", text)
     if progress is not None:
         progress(_STEPS, _STEPS)
-    return Report(comparison, tuple(rows), tuple(sentences), files)
-
-
-def _made(directory: Path) -> Path:
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise FileError(f"cannot make the folder {directory}: {error.strerror}") from None
-    return directory
+    return Report(comparison, tuple(rows), tuple(sentences), files, problem)
 
 
 def _written(path: Path, text: str) -> Path:

@@ -1,0 +1,5 @@
+"""``python -m terrain_lod``: the command line."""
+
+from .cli import main
+
+main()

@@ -1,0 +1,315 @@
+"""The command line: ``terrain-lod demo | render | mesh | report | samples | doctor``.
+
+Exit codes: 0 done, 2 refused with one line on stderr, 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import Annotated, Any, Final, Literal
+
+from cyclopts import App, CycloptsError, Parameter
+from cyclopts.config import Env
+
+from .arguments import one_of
+from .cli_options import (
+    CameraOptions,
+    DetailOptions,
+    EdgeRule,
+    Factor,
+    Ground,
+    GroundOptions,
+    LodName,
+    Sun,
+    TerrainOptions,
+)
+from .cli_output import PROGRAM, complain, log, progress_bar, say, say_table, set_verbosity, warn
+from .errors import TerrainError
+from .files import require_folder
+
+REFUSED: Final = 2
+INTERRUPTED: Final = 130
+
+app = App(
+    name=PROGRAM,
+    help="Terrain level of detail with a known error, from the command line.",
+    help_epilogue=(
+        "Options may also come from the environment: TERRAIN_LOD_RENDER_STYLE=lod. "
+        "TERRAIN_LOD_DEVICE chooses the device for every command."
+    ),
+    version=lambda: version("terrain_lod"),
+    config=Env("TERRAIN_LOD_", show=False),
+    default_parameter=Parameter(negative=""),
+)
+
+Output = Annotated[Path, Parameter(alias="-o", metavar="FILE")]
+OutputFolder = Annotated[Path, Parameter(alias="-o", metavar="DIR")]
+
+
+@app.command(sort_key=1)
+def demo(
+    ground: Ground = "ridge",
+    /,
+    *,
+    output: OutputFolder = Path("terrain_lod_demo"),
+    terrain: TerrainOptions = TerrainOptions(),  # noqa: B008
+) -> None:
+    """Do the main job on bundled ground: a mesh, pictures and a report.
+
+    Parameters
+    ----------
+    ground
+        A raster file or the name of a bundled sample.
+    output
+        Folder to write, made if it is not there.
+    """
+    from .demo import make_demo
+
+    heights = GroundOptions().load(ground)
+    with progress_bar("making the demo") as progress:
+        made = make_demo(
+            heights,
+            output,
+            tile=terrain.tile,
+            plane=terrain.plane,
+            device=terrain.open(),
+            progress=progress,
+        )
+    say_table(("file", "what", "size"), made.rows)
+    for sentence in made.verdict:
+        say(sentence)
+    if made.no_pictures is not None:
+        warn(made.no_pictures)
+
+
+@app.command(sort_key=2)
+def render(
+    ground: Ground,
+    /,
+    *,
+    output: Output,
+    style: Literal["shaded", "wireframe", "lod"] = "shaded",
+    sun: Sun = None,
+    lod: LodName = "coplanarity",
+    factor: Factor = None,
+    edges: EdgeRule = "min",
+    reading: GroundOptions = GroundOptions(),  # noqa: B008
+    view: CameraOptions = CameraOptions(),  # noqa: B008
+    detail: DetailOptions = DetailOptions(),  # noqa: B008
+    terrain: TerrainOptions = TerrainOptions(),  # noqa: B008
+) -> None:
+    """Draw a picture of ground. Needs no display.
+
+    Parameters
+    ----------
+    ground
+        A raster file or the name of a bundled sample.
+    output
+        PNG to write.
+    style
+        shaded: sunlit and tinted by height. wireframe: the triangles. lod: red for patches with
+        much detail, through green and blue to black for those with little.
+    sun
+        Where the light comes from: degrees clockwise from north, degrees above the horizon.
+    lod
+        coplanarity: near and rough ground gets more. distance: near ground. uniform: all alike.
+    factor
+        Segments along a tile's edge. Of uniform alone. Default: the cells of a tile.
+    edges
+        Factor of an edge between two tiles: the lower of what they want, or the higher.
+    """
+    from .graphics import require_graphics
+    from .render import render as draw
+    from .render import require_png
+
+    require_png(output)
+    chosen = detail.make(lod, terrain.tile, factor)
+    require_graphics()
+    heights = reading.load(ground)
+    camera = view.over(heights)
+    log("%r", heights)
+    mesh = terrain.make(heights).mesh(camera, lod=chosen, edges=edges)
+    log("%r from %r", mesh, chosen)
+    options: dict[str, Any] = {} if sun is None else {"sun": sun}
+    draw(mesh, camera, output, style=style, height_range=heights.height_range, **options)
+    say(f"{output}: {_counts(mesh)}")
+
+
+@app.command(sort_key=3)
+def mesh(
+    ground: Ground,
+    /,
+    *,
+    output: Output,
+    cull: Annotated[bool, Parameter(show_default=False)] = False,
+    lod: LodName = "coplanarity",
+    factor: Factor = None,
+    edges: EdgeRule = "min",
+    reading: GroundOptions = GroundOptions(),  # noqa: B008
+    view: CameraOptions = CameraOptions(),  # noqa: B008
+    detail: DetailOptions = DetailOptions(),  # noqa: B008
+    terrain: TerrainOptions = TerrainOptions(),  # noqa: B008
+) -> None:
+    """Write the mesh that a camera deserves, and say how far it is from the ground.
+
+    Parameters
+    ----------
+    ground
+        A raster file or the name of a bundled sample.
+    output
+        File to write: .glb, .obj, .ply, .stl or .vtp.
+    cull
+        Leave out patches that the camera does not see.
+    lod
+        coplanarity: near and rough ground gets more. distance: near ground. uniform: all alike.
+    factor
+        Segments along a tile's edge. Of uniform alone. Default: the cells of a tile.
+    edges
+        Factor of an edge between two tiles: the lower of what they want, or the higher.
+    """
+    from .cracks import crack_report
+    from .error import vertical_error
+    from .export import FORMATS
+
+    require_folder(output)
+    one_of("mesh format", output.suffix.lower(), FORMATS)
+    chosen = detail.make(lod, terrain.tile, factor)
+    heights = reading.load(ground)
+    camera = view.over(heights)
+    log("%r", heights)
+    made = terrain.make(heights).mesh(camera, lod=chosen, edges=edges, cull=cull)
+    log("%r from %r", made, chosen)
+    made.save(output)
+    say(f"{output}: {_counts(made)}")
+    say(f"vertical error: {vertical_error(made, heights, device=terrain.open())}")
+    cracks = crack_report(made)
+    say(f"cracks: {cracks}" if cracks else "watertight")
+
+
+@app.command(sort_key=4)
+def report(
+    ground: Ground,
+    /,
+    *,
+    output: OutputFolder,
+    edges: EdgeRule = "min",
+    reading: GroundOptions = GroundOptions(),  # noqa: B008
+    view: CameraOptions = CameraOptions(),  # noqa: B008
+    detail: DetailOptions = DetailOptions(),  # noqa: B008
+    terrain: TerrainOptions = TerrainOptions(),  # noqa: B008
+) -> None:
+    """Compare distance LOD with coplanarity LOD: triangles, error, time, pictures.
+
+    Parameters
+    ----------
+    ground
+        A raster file or the name of a bundled sample.
+    output
+        Folder to write, made if it is not there.
+    edges
+        Factor of an edge between two tiles: the lower of what they want, or the higher.
+    """
+    from .report import report as write
+
+    distance, coplanarity = detail.both()
+    heights = reading.load(ground)
+    log("%r", heights)
+    with progress_bar("comparing") as progress:
+        made = write(
+            heights,
+            output,
+            camera=view.over(heights),
+            tile=terrain.tile,
+            plane=terrain.plane,
+            edges=edges,
+            distance=distance,
+            coplanarity=coplanarity,
+            device=terrain.open(),
+            progress=progress,
+        )
+    for sentence in made.verdict:
+        say(sentence)
+    say(str(made.files["html"]))
+    if made.no_pictures is not None:
+        warn(made.no_pictures)
+
+
+@app.command(sort_key=5)
+def samples() -> None:
+    """List the bundled grounds."""
+    from .samples import sample, sample_names
+
+    rows = []
+    for name in sample_names():
+        ground = sample(name)
+        low, high = ground.height_range
+        size = " × ".join(f"{extent:,}" for extent in ground.shape)
+        spacing = " × ".join(f"{step:g}" for step in dict.fromkeys(ground.spacing))
+        rows.append((name, size, f"{spacing} m", f"{low:,.0f} to {high:,.0f} m"))
+    say_table(("name", "samples", "spacing", "heights"), rows)
+
+
+@app.command(sort_key=6)
+def doctor() -> int:
+    """Compare every kernel with its reference on every device, and say which device to use."""
+    from .doctor import run_doctor
+
+    return run_doctor()
+
+
+def _counts(mesh: Any) -> str:
+    patches = mesh.patches
+    return (
+        f"{len(mesh.triangles):,} triangles, {len(mesh.vertices):,} vertices, "
+        f"{patches.culled_count:,} of {patches.count:,} patches left out"
+    )
+
+
+@app.meta.default
+def _launch(
+    *tokens: Annotated[str, Parameter(show=False, allow_leading_hyphen=True)],
+    verbose: Annotated[int, Parameter(alias="-v", count=True, show_default=False)] = 0,
+    quiet: Annotated[bool, Parameter(alias="-q", show_default=False)] = False,
+) -> Any:
+    """Run a command.
+
+    Parameters
+    ----------
+    verbose
+        Say what is being done; twice for more.
+    quiet
+        Say nothing but errors.
+    """
+    set_verbosity(verbose, quiet)
+    return app(tokens, exit_on_error=False, print_error=False, result_action="return_value")
+
+
+def run(tokens: Sequence[str]) -> int:
+    """Run the command line `tokens` and return the exit code."""
+    try:
+        result = app.meta(
+            tokens, exit_on_error=False, print_error=False, result_action="return_value"
+        )
+    except (TerrainError, CycloptsError) as error:
+        complain(" ".join(str(error).split()))
+        return REFUSED
+    except MemoryError:
+        complain("expected a raster that fits into memory, got one that does not")
+        return REFUSED
+    except KeyboardInterrupt:
+        complain("interrupted")
+        return INTERRUPTED
+    except BrokenPipeError:
+        # whoever read our output has left: nothing more is written, not even at exit
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return REFUSED
+    return result if isinstance(result, int) else 0
+
+
+def main() -> None:
+    """Run the command line and leave."""
+    sys.exit(run(sys.argv[1:]))
