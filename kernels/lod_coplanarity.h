@@ -21,7 +21,7 @@ inline float patch_lod(const Patch patch, const View view, __global const float 
                                  parameters[LOD_FAR]);
     const float detail = fmin(patch.deviation / parameters[LOD_FULL_DEVIATION], 1.0f);
     const float flat = parameters[LOD_FLAT_WEIGHT];
-    const float weight = flat + (1.0f - flat) * detail;
+    const float weight = flat + (1.0f - flat) * sqrt(detail);
     const float minimum = parameters[LOD_MINIMUM], maximum = parameters[LOD_MAXIMUM];
     return minimum + (maximum - minimum) * scale * weight;
 }

@@ -19,5 +19,7 @@ inline float patch_lod(const Patch patch, const View view, __global const float 
     const float scale = nearness(distance_to_eye(patch, view), parameters[LOD_NEAR],
                                  parameters[LOD_FAR]);
     const float minimum = parameters[LOD_MINIMUM], maximum = parameters[LOD_MAXIMUM];
-    return minimum + (maximum - minimum) * pow(scale, parameters[LOD_FALLOFF]);
+    const float falloff = parameters[LOD_FALLOFF];
+    const float weight = falloff == 1.0f ? scale : pow(scale, falloff);
+    return minimum + (maximum - minimum) * weight;
 }

@@ -1,0 +1,103 @@
+"""Speed of the stages: analysis against a bare read, a million triangles against a bare copy.
+
+    python benchmarks/terrain.py [--samples 4096]
+
+Prints device times, medians of interleaved rounds, and ratios within the run.
+"""
+
+from __future__ import annotations
+
+import argparse
+from statistics import median
+
+import numpy as np
+from measure import bare_copy, bare_read, interleaved, ratio
+
+import terrain_lod as tl
+from terrain_lod.analysis import analyse_on_device
+from terrain_lod.domain import displace_on_device
+from terrain_lod.grid import TileGrid
+
+
+def fractal(samples: int) -> tl.Heightmap:
+    """Return seeded ground with detail at all scales."""
+    rng = np.random.default_rng(0)
+    steps = rng.normal(size=(samples, samples)).astype(np.float32)
+    return tl.Heightmap(steps.cumsum(axis=0).cumsum(axis=1), spacing=30.0)
+
+
+def analysis(samples: int, device: tl.Device) -> None:
+    """Print what analysing costs, in bare reads of the raster."""
+    terrain = tl.Terrain(fractal(samples), device=device)
+    ground = terrain._ground
+    grids = {tile: TileGrid.of(terrain.ground, tile) for tile in (15, 31, 63)}
+    times = interleaved(
+        device,
+        {
+            "bare read": bare_read(device, ground.heights),
+            **{
+                f"tiles of {tile}": lambda grid=grid: analyse_on_device(ground, grid)
+                for tile, grid in grids.items()
+            },
+        },
+    )
+    print(f"analysis of {samples} x {samples} samples, {ground.heights.nbytes / 2**20:.0f} MiB")
+    for name, seconds in times.items():
+        speed = ground.heights.nbytes / median(seconds) / 1e9
+        print(
+            f"  {name:12} {median(seconds) * 1e3:8.2f} ms {speed:8.1f} GB/s "
+            f"{ratio(times, name, 'bare read'):8.2f} x bare read"
+        )
+
+
+def million_triangles(samples: int, device: tl.Device) -> None:
+    """Print what hull, tessellator and domain stage cost for a million triangles."""
+    terrain = tl.Terrain(fractal(samples), device=device)
+    x, y, z = terrain.ground.centre
+    camera = tl.Camera((x, y, z + 3000), (x + 2000, y - 2000, z))
+    lod = tl.DistanceLod(maximum=_maximum_for_a_million(terrain, camera))
+    factors = terrain._factors(camera, lod, "min", False)
+    pattern = terrain._pattern(factors, "fractional_odd")
+    points, triangles = pattern.points.shape[0], pattern.primitives.shape[0]
+    # positions and normals, and the triangles' indices
+    nbytes = points * 24 + triangles * 12
+    stages = {
+        "hull": lambda: terrain._factors(camera, lod, "min", False),
+        "tessellate": lambda: terrain._pattern(factors, "fractional_odd"),
+        "displace": lambda: displace_on_device(terrain._ground, terrain.grid, pattern),
+    }
+    times = interleaved(device, {**stages, "bare copy": bare_copy(device, nbytes)})
+    times["in all"] = [sum(round_) for round_ in zip(*(times[s] for s in stages), strict=True)]
+    print(f"{triangles:,} triangles, {points:,} vertices, {nbytes / 2**20:.0f} MiB")
+    for name, seconds in times.items():
+        print(
+            f"  {name:12} {median(seconds) * 1e3:8.2f} ms "
+            f"{ratio(times, name, 'bare copy'):8.2f} x bare copy"
+        )
+
+
+def _maximum_for_a_million(terrain: tl.Terrain, camera: tl.Camera) -> float:
+    """Return the highest factor of a distance LOD that makes about a million triangles."""
+    low, high = 1.0, 15.0
+    for _ in range(12):
+        middle = (low + high) / 2
+        factors = terrain._factors(camera, tl.DistanceLod(maximum=middle), "min", False)
+        count = terrain._pattern(factors, "fractional_odd").primitives.shape[0]
+        low, high = (middle, high) if count < 1_000_000 else (low, middle)
+    return high
+
+
+def main() -> None:
+    """Run both."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--samples", type=int, default=4096, help="along a side of the raster")
+    parser.add_argument("--device", help="part of a device's name, cpu or gpu")
+    options = parser.parse_args()
+    device = tl.Device.open(options.device)
+    print(device.info)
+    analysis(options.samples, device)
+    million_triangles(min(options.samples, 2049), device)
+
+
+if __name__ == "__main__":
+    main()
