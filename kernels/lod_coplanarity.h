@@ -3,11 +3,15 @@
 //     lod = minimum + (maximum - minimum) * nearness * weight
 //
 //  weight ^
-//       1 |        .------        a tile that lies on its plane keeps flat_weight of its detail,
-//         |    .-'                one that leaves it by full_deviation keeps all
+//       1 |          .-------     a tile that lies on its plane keeps flat_weight of its detail,
+//         |     .--'              one that leaves it by full_deviation keeps all
 //    flat |.-'
-//         +--------+------> deviation
+//         +----------+------> deviation
 //              full_deviation
+//
+// Between them the weight goes with the square root. A tile of deviation s in f x f cells has an
+// error of about s / f; the sum of squared errors for a number of triangles is least where every
+// f is in proportion to sqrt(s).
 #include "patch.h"
 
 #if !defined(LOD_NEAR) || !defined(LOD_FAR) || !defined(LOD_MINIMUM) || !defined(LOD_MAXIMUM) \

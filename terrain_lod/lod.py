@@ -113,7 +113,8 @@ class CoplanarityLod(Lod):
         Deviation in world units from which on a tile gets what its distance allows; defaults to
         the deviation that 90 % of the ground's tiles stay below.
     flat_weight : float, optional
-        Share of its distance's detail that an exactly flat tile keeps, 0 to 1.
+        Share of its distance's detail that an exactly flat tile keeps, 0 to 1; between flat and
+        full the share grows with the square root of the deviation.
 
     Notes
     -----
@@ -125,7 +126,7 @@ class CoplanarityLod(Lod):
     minimum: float = 1.0
     maximum: float = 15.0
     full_deviation: float | None = None
-    flat_weight: float = 0.1
+    flat_weight: float = 0.0
     header: ClassVar[str] = "lod_coplanarity.h"
 
     def __post_init__(self) -> None:

@@ -35,7 +35,7 @@ def coplanarity(distance: Array, deviation: Array, parameters: Parameters) -> Ar
     detail = np.minimum(deviation / parameters["full_deviation"], 1)
     flat = parameters["flat_weight"]
     low, high = parameters["minimum"], parameters["maximum"]
-    return low + (high - low) * scale * (flat + (1 - flat) * detail)
+    return low + (high - low) * scale * (flat + (1 - flat) * np.sqrt(detail))
 
 
 # by the header's name
