@@ -100,7 +100,7 @@ def vertical_error(
     number, which is what float32 tells apart, are that number; a crossing of an edge with a row
     within 2^-26 cells. A device without 64-bit floats leaves the work to NumPy.
     """
-    require_sound(mesh)
+    require_sound(mesh.vertices, mesh.triangles)
     device = device or Device.open()
     if device.has_doubles:
         errors = _field_on_device(mesh, ground, device).host()

@@ -14,8 +14,8 @@ from .errors import FileError
 def replacing(path: str | Path) -> Iterator[Path]:
     """Yield a temporary path to write; on leaving the block it becomes `path`.
 
-    The temporary file stands beside `path` and has its ending. If the block raises, it is removed
-    and `path` is as it was.
+    The temporary file stands beside `path` and has its ending, in lower case, as some writers
+    demand. If the block raises, it is removed and `path` is as it was.
 
     Raises
     ------
@@ -24,7 +24,7 @@ def replacing(path: str | Path) -> Iterator[Path]:
     """
     final = Path(path)
     require_folder(final)
-    temporary = final.with_name(f".{final.stem}.{os.getpid()}{final.suffix}")
+    temporary = final.with_name(f".{final.stem}.{os.getpid()}{final.suffix.lower()}")
     try:
         yield temporary
         temporary.replace(final)
