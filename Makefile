@@ -44,10 +44,11 @@ clean:
 
 # the 3-D pictures need software OpenGL: it is installed where that takes no password, else named
 define set_up
-@echo "setting up .venv: about two minutes the first time"
+@echo "setting up .venv: a minute or two the first time"
 @$(PYTHON) -m venv .venv
 @$(python) -m pip install --quiet --disable-pip-version-check --editable "$(1)"
 @$(python) -c "$(draws)" 2>/dev/null || { \
+	$(as_root) true 2>/dev/null && \
 	echo "installing $(mesa) for the 3-D pictures" && \
 	$(as_root) apt-get update -qq && \
 	$(as_root) env DEBIAN_FRONTEND=noninteractive apt-get install -qq -y $(mesa) >/dev/null ; } || \
