@@ -70,7 +70,7 @@ __kernel void quad_fill(int partitioning, int clockwise,
                         __global const float *inside_factors,       // (P, 2)
                         __global const uint *point_offsets,         // (P + 1)
                         __global const uint *primitive_offsets,     // (P + 1)
-                        __global uint2 *points,                     // (N)
+                        __global uint *points,                      // (N, 2)
                         __global int *primitives)                   // (M, 3)
 {
     const size_t patch = get_group_id(0);
@@ -81,7 +81,7 @@ __kernel void quad_fill(int partitioning, int clockwise,
     place_all(insides[0], u, group_items());
     place_all(insides[1], v, group_items());
     barrier(CLK_LOCAL_MEM_FENCE);
-    __global uint2 *own_points = points + point_offsets[patch];
+    __global uint *own_points = points + 2 * (size_t)point_offsets[patch];
     const Triangles triangles = {primitives + 3 * (size_t)primitive_offsets[patch],
                                  point_offsets[patch], clockwise};
     const Lattice lattice = quad_lattice(factors, partitioning);

@@ -22,6 +22,9 @@
 
 #define FIXED_HALF (FIXED_ONE / 2)
 
+// a float of this size has no bits below one: adding it rounds to the nearest whole, ties to even
+#define ROUNDER 8388608.0f
+
 // what is to be done with a patch
 enum { CULLED, WHOLE, DIVIDED };
 
@@ -59,12 +62,15 @@ inline uint fixed_factor(float factor, int partitioning)
 {
     const float least = partitioning == FRACTIONAL_EVEN ? 2.0f : 1.0f;
     const float most = partitioning == FRACTIONAL_ODD ? 63.0f : 64.0f;
-    float clamped = fmin(most, fmax(least, factor));
-    if (partitioning == INTEGER || partitioning == POW2)
-        clamped = ceil(clamped);
+    const float clamped = !(factor > least) ? least : factor < most ? factor : most;
+    if (partitioning == FRACTIONAL_ODD || partitioning == FRACTIONAL_EVEN)
+        return (uint)(clamped * FIXED_ONE + ROUNDER - ROUNDER);
+    uint whole = (uint)clamped;
+    whole += whole < clamped;
     if (partitioning == POW2)
-        clamped = (float)(1u << (32 - clz((uint)clamped - 1u)));
-    return (uint)rint(clamped * FIXED_ONE);
+        while (whole & (whole - 1))
+            ++whole;
+    return whole * FIXED_ONE;
 }
 
 // Returns whether a factor's division has a segment in its middle.
@@ -139,7 +145,7 @@ inline Division divide(uint factor, int partitioning)
 inline uint place(const Division division, int i)
 {
     // the second half mirrors the first
-    const int point = min(i, division.segments - i);
+    const int point = 2 * i <= division.segments ? i : division.segments - i;
     if (2 * point == division.segments)
         return FIXED_HALF;  // segments do not add up to it exactly
     const uint coarse = (point - (point > division.newest)) * division.coarse_step;

@@ -63,13 +63,14 @@ inline int quad_triangles(const QuadFactors factors, int partitioning)
 }
 
 // Places the points of an edge, the last one left to the next edge.
-inline void fill_boundary(__global uint2 *points, int edge, const Division division, Items items)
+inline void fill_boundary(__global uint *points, int edge, const Division division, Items items)
 {
     for (int k = items.first; k < division.segments; k += items.step) {
         // u = 0 is walked against v, v = 0 with u, u = 1 with v, v = 1 against u
         const uint along = place(division, edge == 1 || edge == 2 ? k : division.segments - k);
         const uint across = edge < 2 ? 0 : FIXED_ONE;
-        points[k] = edge % 2 == 0 ? (uint2)(across, along) : (uint2)(along, across);
+        points[2 * k + edge % 2] = across;
+        points[2 * k + 1 - edge % 2] = along;
     }
 }
 
@@ -87,44 +88,73 @@ inline Row lattice_row(const Lattice lattice, int edge, const Division along)
     const int stride = edge % 2 == 0 ? lattice.columns : 1;
     Row row = {lattice_corner(lattice, edge), edge == 1 || edge == 2 ? stride : -stride,
                lattice_corner(lattice, (edge + 1) % QUAD_EDGES),
-               along.segments - 1, along.half_steps, along.odd};
+               along.segments - 1, ruler_of(along.half_steps), along.odd};
     return row;
 }
 
-// Returns whether a cell's diagonal falls, \, or rises, /. Diagonals point to the middle:
+// A cell's two triangles as indices relative to its first corner.
+//
+//   a---b        falls  a b d, a d c
+//   |   |        rises  a b c, b d c      clockwise; otherwise the last two corners change places
+//   c---d
+typedef struct {
+    int corners[6];
+} Cell;
+
+inline Cell lattice_cell(bool falls, int columns, bool clockwise)
+{
+    const int a = 0, b = 1, c = columns, d = columns + 1;
+    const int third = falls ? d : c, fourth = falls ? a : b;
+    const Cell cell = {{a, clockwise ? b : third, clockwise ? third : b,
+                        fourth, clockwise ? d : c, clockwise ? c : d}};
+    return cell;
+}
+
+inline void fill_cells(__global int *indices, int corner, const Cell cell, int begin, int end,
+                       Items items)
+{
+    for (int column = begin + items.first; column < end; column += items.step)
+        for (int i = 0; i < 6; ++i)
+            indices[6 * column + i] = cell.corners[i] + (corner + column);
+}
+
+// Diagonals point to the middle:
 //
 //    | \ \ \ / / |    with an odd number of cells, the middle column falls
 //    | / / / / / |    and the middle row rises, with the cell that is in both
 //    | / / \ \ \ |
-inline bool diagonal_falls(int column, int row, int across, int down)
+inline void fill_cell_row(const Triangles triangles, int triangle, int corner, int row,
+                          int across, int down)
 {
-    const int right = 2 * column + 1 - across, below = 2 * row + 1 - down;
-    return below != 0 && (right == 0 || (right > 0) == (below > 0));
+    const int below = 2 * row + 1 - down;
+    const int turn = below < 0 ? (across + 1) / 2 : across / 2;
+    const Cell left = lattice_cell(below < 0, across + 1, triangles.clockwise);
+    const Cell right = lattice_cell(below > 0, across + 1, triangles.clockwise);
+    __global int *indices = triangles.indices + 3 * triangle;
+    fill_cells(indices, triangles.base + corner, left, 0, turn, row_items());
+    fill_cells(indices, triangles.base + corner, right, turn, across, row_items());
 }
 
-inline void lattice_cell(const Triangles triangles, int triangle, int corner, int columns,
-                         bool falls)
+inline void fill_row(__global uint *points, __local const uint *u, uint v, int count, Items items)
 {
-    //  a---b
-    //  |   |
-    //  c---d
-    const int a = corner, b = corner + 1, c = corner + columns, d = corner + columns + 1;
-    put_triangle(triangles, triangle, a, b, falls ? d : c);
-    put_triangle(triangles, triangle + 1, falls ? a : b, d, c);
+    for (int column = items.first; column < count; column += items.step) {
+        points[2 * column] = u[column];
+        points[2 * column + 1] = v;
+    }
 }
 
 // the boundary, and the strips that join it to the lattice
 inline void fill_quad_edges(const QuadFactors factors, const Division *insides,
                             const Lattice lattice, int partitioning,
-                            __global uint2 *points, const Triangles triangles)
+                            __global uint *points, const Triangles triangles)
 {
     int point = 0, triangle = 0;
     for (int edge = 0; edge < QUAD_EDGES; ++edge) {
         const Division division = divide(factors.edges[edge], partitioning);
-        fill_boundary(points + point, edge, division, group_items());
+        fill_boundary(points + 2 * point, edge, division, group_items());
         const int next = point + division.segments;
         const Row outer = {point, 1, edge == QUAD_EDGES - 1 ? 0 : next,
-                           division.segments + 1, division.half_steps, division.odd};
+                           division.segments + 1, ruler_of(division.half_steps), division.odd};
         // along u = 0 and u = 1 runs v
         const Row inner = lattice_row(lattice, edge, insides[1 - edge % 2]);
         if (factors.kind == DIVIDED)
@@ -136,20 +166,15 @@ inline void fill_quad_edges(const QuadFactors factors, const Division *insides,
 
 // rows and columns of the lattice go to rows and columns of work-items
 inline void fill_lattice(const Lattice lattice, __local const uint *u, __local const uint *v,
-                         __global uint2 *points, const Triangles triangles)
+                         __global uint *points, const Triangles triangles)
 {
     const int across = lattice.columns - 1, down = lattice.rows - 1;
     const int strips = lattice.first + 2 * (across + down);
     for (int row = get_local_id(1); row < lattice.rows; row += get_local_size(1)) {
-        const int point = lattice.first + row * lattice.columns;
-        for (int column = get_local_id(0); column < lattice.columns; column += get_local_size(0))
-            points[point + column] = (uint2)(u[column + 1], v[row + 1]);
-    }
-    for (int row = get_local_id(1); row < down; row += get_local_size(1)) {
-        const int point = lattice.first + row * lattice.columns;
-        for (int column = get_local_id(0); column < across; column += get_local_size(0))
-            lattice_cell(triangles, strips + 2 * (row * across + column), point + column,
-                         lattice.columns, diagonal_falls(column, row, across, down));
+        const int first = lattice.first + row * lattice.columns;
+        fill_row(points + 2 * first, u + 1, v[row + 1], lattice.columns, row_items());
+        if (row < down)
+            fill_cell_row(triangles, strips + 2 * row * across, first, row, across, down);
     }
 }
 

@@ -21,11 +21,41 @@
 
 #include "tessellator_division.h"
 
+// the steps of half a division among those of the finest one
+typedef struct {
+    int steps;
+    int split;                  // of the steps of the doubling before, this many are split in two
+    int shift;                  // log2 of the length of such a half, in 64ths of half the division
+} Ruler;
+
+inline Ruler ruler_of(int steps)
+{
+    Ruler ruler = {steps, 0, 5};
+    for (int power = 2; power <= steps; power *= 2)
+        --ruler.shift;
+    ruler.split = steps - (32 >> ruler.shift);
+    return ruler;
+}
+
+// Returns where step 0 <= k < steps begins.
+inline int ruler_place(const Ruler ruler, int k)
+{
+    return k <= 2 * ruler.split ? k << ruler.shift : (2 * k - 2 * ruler.split) << ruler.shift;
+}
+
+// Returns how many steps begin at a place or before it.
+inline int steps_to(const Ruler ruler, int place)
+{
+    const int fine = place >> ruler.shift;
+    const int steps = 1 + (fine <= 2 * ruler.split ? fine : ruler.split + fine / 2);
+    return ruler.steps == 0 || place < 0 ? 0 : steps;
+}
+
 // a row of points, walked along
 typedef struct {
     int first, stride, last;    // indices of its points; the last may be anywhere
     int points;
-    int half_steps;                   // steps in each half of its division
+    Ruler ruler;                // steps in each half of its division
     bool odd;                   // a step in the middle, between the halves
 } Row;
 
@@ -38,33 +68,15 @@ typedef struct {
 
 inline void put_triangle(const Triangles triangles, int triangle, int a, int b, int c)
 {
-    __global int *corner = triangles.indices + 3 * (size_t)triangle;
+    __global int *corner = triangles.indices + 3 * triangle;
     corner[0] = triangles.base + a;
-    corner[1] = triangles.base + (triangles.clockwise ? b : c);
-    corner[2] = triangles.base + (triangles.clockwise ? c : b);
+    corner[triangles.clockwise ? 1 : 2] = triangles.base + b;
+    corner[triangles.clockwise ? 2 : 1] = triangles.base + c;
 }
 
 inline int point_of(const Row row, int i)
 {
     return i == row.points - 1 ? row.last : row.first + i * row.stride;
-}
-
-// Returns where step 0 <= k < half_steps of a row begins, in 64ths of half the row.
-inline int ruler_place(int half_steps, int k)
-{
-    const int level = 31 - clz(half_steps), split = half_steps - (1 << level);
-    // the first `split` steps of the level above are split in two
-    return k <= 2 * split ? k << (5 - level) : (k - split) << (6 - level);
-}
-
-// Returns how many steps of a row's first half begin at a place or before it.
-inline int steps_to(int half_steps, int place)
-{
-    if (half_steps == 0 || place < 0)
-        return 0;
-    const int level = 31 - clz(half_steps), split = half_steps - (1 << level);
-    const int fine = place >> (5 - level);
-    return 1 + (fine <= 2 * split ? fine : split + (fine >> 1));
 }
 
 inline int strip_triangles(int outer_points, int inner_points)
@@ -73,9 +85,9 @@ inline int strip_triangles(int outer_points, int inner_points)
 }
 
 // the step between the halves: of both rows, of one, or of none
-inline void stitch_middle(const Triangles triangles, int triangle, const Row outer, const Row inner)
+__attribute__((always_inline)) inline void stitch_middle(const Triangles triangles, int triangle, const Row outer, const Row inner)
 {
-    const int k = outer.half_steps, a = inner.half_steps - 1;
+    const int k = outer.ruler.steps, a = inner.ruler.steps - 1;
     const int o = point_of(outer, k), i = point_of(inner, a);
     if (outer.odd && inner.odd) {
         put_triangle(triangles, triangle, i, o, point_of(inner, a + 1));
@@ -91,28 +103,28 @@ inline void stitch_middle(const Triangles triangles, int triangle, const Row out
 //
 //   triangle k + a            outer step k (o, o + 1, i)       inner step a (i, o, i + 1)
 //   triangle count - 1 - ...  the same mirrored
-inline void stitch(const Triangles triangles, int first, const Row outer, const Row inner,
+__attribute__((always_inline)) inline void stitch(const Triangles triangles, int first, const Row outer, const Row inner,
                    Items items)
 {
     const int outer_end = outer.points - 1, inner_end = inner.points - 1;
     const int last = first + outer_end + inner_end - 1;
-    for (int k = items.first; k < outer.half_steps; k += items.step) {
+    for (int k = items.first; k < outer.ruler.steps; k += items.step) {
         // the inner row has no step at the corner
-        const int a = steps_to(inner.half_steps, ruler_place(outer.half_steps, k)) - 1;
+        const int a = steps_to(inner.ruler, ruler_place(outer.ruler, k)) - 1;
         put_triangle(triangles, first + k + a,
                      point_of(outer, k), point_of(outer, k + 1), point_of(inner, a));
         put_triangle(triangles, last - k - a, point_of(outer, outer_end - k - 1),
                      point_of(outer, outer_end - k), point_of(inner, inner_end - a));
     }
-    for (int a = items.first; a < inner.half_steps - 1; a += items.step) {
-        const int k = steps_to(outer.half_steps, ruler_place(inner.half_steps, a + 1) - 1);
+    for (int a = items.first; a < inner.ruler.steps - 1; a += items.step) {
+        const int k = steps_to(outer.ruler, ruler_place(inner.ruler, a + 1) - 1);
         put_triangle(triangles, first + k + a,
                      point_of(inner, a), point_of(outer, k), point_of(inner, a + 1));
         put_triangle(triangles, last - k - a, point_of(inner, inner_end - a - 1),
                      point_of(outer, outer_end - k), point_of(inner, inner_end - a));
     }
     if (items.first == 0)
-        stitch_middle(triangles, first + outer.half_steps + inner.half_steps - 1, outer, inner);
+        stitch_middle(triangles, first + outer.ruler.steps + inner.ruler.steps - 1, outer, inner);
 }
 
 #endif

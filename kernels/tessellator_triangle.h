@@ -101,7 +101,7 @@ inline void fill_ring_points(__global uint2 *points, int ring, const Division in
 inline Row ring_row(int first, int edge, int steps, const Division inside, int half_steps)
 {
     const int last = edge == TRIANGLE_EDGES - 1 ? first : first + (edge + 1) * steps;
-    Row row = {first + edge * steps, 1, last, steps + 1, half_steps, inside.odd};
+    Row row = {first + edge * steps, 1, last, steps + 1, ruler_of(half_steps), inside.odd};
     return row;
 }
 
@@ -136,7 +136,7 @@ inline void fill_triangle_edges(const TriangleFactors factors, const Division in
             points[point + k] = triangle_point(edge, along, 0);
         }
         const Row outer = {point, 1, edge == TRIANGLE_EDGES - 1 ? 0 : next,
-                           division.segments + 1, division.half_steps, division.odd};
+                           division.segments + 1, ruler_of(division.half_steps), division.odd};
         const Row inner = ring_row(boundary, edge, inside.segments - 2, inside, inside.half_steps);
         if (factors.kind == DIVIDED)
             stitch(triangles, triangle, outer, inner, group_items());

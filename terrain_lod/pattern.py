@@ -35,6 +35,41 @@ class Pattern:
     triangle_offsets: npt.NDArray[np.int64]
     line_offsets: npt.NDArray[np.int64]
 
+    @classmethod
+    def of(
+        cls,
+        domain: str,
+        partitioning: str,
+        points: npt.NDArray[Any],
+        primitives: npt.NDArray[Any],
+        point_offsets: npt.NDArray[Any],
+        primitive_offsets: npt.NDArray[Any],
+    ) -> Pattern:
+        """Return a pattern of primitives with two corners (lines) or three (triangles)."""
+        offsets = primitive_offsets.astype(np.int64)
+        nothing = np.zeros_like(offsets)
+        lined = primitives.shape[1] == 2
+        return cls(
+            domain,
+            partitioning,
+            points,
+            triangles=np.empty((0, 3), np.int32) if lined else primitives,
+            lines=primitives if lined else np.empty((0, 2), np.int32),
+            point_offsets=point_offsets.astype(np.int64),
+            triangle_offsets=nothing if lined else offsets,
+            line_offsets=offsets if lined else nothing,
+        )
+
+    @property
+    def primitives(self) -> npt.NDArray[np.int32]:
+        """Triangles, or lines in the isoline domain."""
+        return self.lines if self.domain == "isoline" else self.triangles
+
+    @property
+    def primitive_offsets(self) -> npt.NDArray[np.int64]:
+        """Where each patch begins among the primitives; (P + 1,)."""
+        return self.line_offsets if self.domain == "isoline" else self.triangle_offsets
+
     @property
     def patch_count(self) -> int:
         return len(self.point_offsets) - 1

@@ -1,37 +1,97 @@
-"""The fixed-function tessellator of Direct3D 11, on the device.
+"""The fixed-function tessellator of Direct3D 11: factors in, points and triangles of a domain out.
 
-Factors in, points and triangles of the domain out: it sees no positions and no heights. Results
-agree with Microsoft's reference tessellator to the bit, on any device.
-
->>> import terrain_lod as tl
->>> pattern = tl.tessellate("quad", [[3, 5, 7.5, 9]], [[4.2, 6]])
->>> pattern
-Pattern(quad, fractional_odd: 1 patches, 62 points, 96 triangles, 0 lines)
+It sees no positions and no heights, and agrees with Microsoft's reference tessellator to the bit
+on every device. What the factors mean is written in :mod:`terrain_lod.factors`.
 """
 
 from __future__ import annotations
 
-from typing import Final, NamedTuple
+from typing import Final
 
+import numpy as np
+import numpy.typing as npt
+
+from .arguments import one_of
 from .device import Device, DeviceArray
 from .errors import InputError
+from .factors import DOMAINS, checked_factors, counts
 from .layout import PARTITIONINGS
-from .pattern import DevicePattern
+from .pattern import DevicePattern, Pattern
 from .scan import exclusive_scan
+
+__all__ = ["TOPOLOGIES", "counts", "tessellate", "tessellate_device"]
+
+TOPOLOGIES: Final = ("clockwise", "counter_clockwise")
 
 _LARGEST_INDEX_COUNT: Final = 2**31
 _ITEMS: Final = (16, 4)  # columns and rows of work-items that fill a patch, on a GPU
 
 
-class Domain(NamedTuple):
-    """Factors of a patch, and corners of a primitive."""
+def tessellate(
+    domain: str,
+    edge_factors: npt.ArrayLike,
+    inside_factors: npt.ArrayLike | None = None,
+    *,
+    partitioning: str = "fractional_odd",
+    topology: str = "clockwise",
+    device: Device | None = None,
+) -> Pattern:
+    """Return the tessellation patterns of P patches.
 
-    edges: int
-    insides: int
-    corners: int
+    Parameters
+    ----------
+    domain : {"quad", "triangle", "isoline"}
+    edge_factors : (P, 4), (P, 3) or (P, 2) array_like
+        Of quads, triangles and isolines; used in float32.
+    inside_factors : (P, 2) or (P, 1) array_like
+        Of quads and triangles; isolines have none.
+    partitioning : {"integer", "pow2", "fractional_odd", "fractional_even"}, optional
+    topology : {"clockwise", "counter_clockwise"}, optional
+        Winding of the triangles, seen with u to the right and v down.
+    device : Device, optional
 
+    Returns
+    -------
+    Pattern
+        The boundary's points first, edge by edge: patches that share an edge, in whichever
+        direction, and its factor have the same points on it. Degenerate triangles are kept.
 
-DOMAINS: Final = {"quad": Domain(4, 2, 3), "triangle": Domain(3, 1, 3), "isoline": Domain(2, 0, 2)}
+    Raises
+    ------
+    InputError
+        If a word is unknown, factors are too few or too many, or there would be more than 2³¹
+        indices.
+    DeviceMemoryError
+        If the pattern does not fit the device.
+
+    Examples
+    --------
+    >>> tessellate("quad", [[3, 5, 7.5, 9]], [[4.2, 6]])
+    Pattern(quad, fractional_odd: 1 patches, 62 points, 92 triangles, 0 lines)
+    """
+    edges, insides = checked_factors(domain, edge_factors, inside_factors, partitioning)
+    one_of("topology", topology, TOPOLOGIES)
+    if len(edges) == 0:
+        nothing = np.empty((0, DOMAINS[domain].corners), np.int32)
+        return Pattern.of(
+            domain, partitioning, np.empty((0, 2), np.uint32), nothing, np.zeros(1), np.zeros(1)
+        )
+    device = device or Device.open()
+    pattern = tessellate_device(
+        domain,
+        device.array(edges),
+        None if insides is None else device.array(insides),
+        partitioning,
+        clockwise=topology == "clockwise",
+    )
+    return Pattern.of(
+        domain,
+        partitioning,
+        pattern.points.host(),
+        pattern.primitives.host(),
+        pattern.point_offsets.host(),
+        pattern.primitive_offsets.host(),
+    )
 
 
 def tessellate_device(
@@ -46,24 +106,24 @@ def tessellate_device(
 
     Parameters
     ----------
-    domain : str
-        A key of :data:`DOMAINS`.
+    domain, partitioning : str
     edge_factors : DeviceArray, (P, edges) float32
     inside_factors : DeviceArray, (P, insides) float32, or None
         None where the domain has none.
-    partitioning : str
     clockwise : bool
         Winding of the triangles, seen with u to the right and v down.
 
     Raises
     ------
-    InputError
-        If there would be more than 2³¹ indices.
-    DeviceMemoryError
-        If points and primitives do not fit the device. Neither is allocated then.
+    InputError, DeviceMemoryError
+        If there would be too many indices, or too many bytes; neither points nor primitives are
+        allocated then.
     """
     device, patches = edge_factors.device, edge_factors.shape[0]
-    factors = {"edge_factors": edge_factors, "partitioning": PARTITIONINGS.index(partitioning)}
+    factors: dict[str, object] = {
+        "edge_factors": edge_factors,
+        "partitioning": PARTITIONINGS.index(partitioning),
+    }
     if inside_factors is not None:
         factors["inside_factors"] = inside_factors
     # how many
@@ -79,8 +139,10 @@ def tessellate_device(
     # where to
     point_offsets, point_count = exclusive_scan(point_counts)
     primitive_offsets, primitive_count = exclusive_scan(primitive_counts)
-    points, primitives = _output(device, domain, patches, point_count, primitive_count)
+    points, primitives = _room(device, domain, patches, point_count, primitive_count)
     # which
+    if DOMAINS[domain].corners == 3:
+        factors["clockwise"] = clockwise
     items = _ITEMS if device.is_gpu else (1, 1)
     device.kernel("tessellator.cl", f"{domain}_fill")(
         (patches * items[0], items[1]),
@@ -89,21 +151,20 @@ def tessellate_device(
         primitive_offsets=primitive_offsets,
         points=points,
         primitives=primitives,
-        **({"clockwise": clockwise} if DOMAINS[domain].corners == 3 else {}),
         **factors,
     )
     return DevicePattern(points, primitives, point_offsets, primitive_offsets)
 
 
-def _output(
+def _room(
     device: Device, domain: str, patches: int, point_count: int, primitive_count: int
 ) -> tuple[DeviceArray, DeviceArray]:
-    """Return room for the points and the primitives, or refuse before taking any."""
+    """Return arrays for points and primitives, or refuse before allocating either."""
     corners = DOMAINS[domain].corners
     index_count = corners * primitive_count
     if index_count > _LARGEST_INDEX_COUNT:
         raise InputError(
-            f"expected at most {_LARGEST_INDEX_COUNT} indices, got {index_count} of {patches} "
+            f"expected at most {_LARGEST_INDEX_COUNT} indices, got {index_count} from {patches} "
             "patches: use smaller factors or fewer patches at a time"
         )
     what = f"a pattern of {point_count} points and {index_count} indices"

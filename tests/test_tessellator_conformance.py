@@ -8,7 +8,7 @@ import pytest
 from terrain_lod.device import Device
 from terrain_lod.tessellator import DOMAINS, tessellate_device
 
-TABLE = np.load(Path(__file__).parent / "data" / "tessellator.npz")
+TABLE = dict(np.load(Path(__file__).parent / "data" / "tessellator.npz"))
 
 
 def canonical(primitives):
