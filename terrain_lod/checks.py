@@ -1,12 +1,13 @@
-"""One check a kernel: what the device computes against the float64 reference, on small ground.
+"""One check a kernel: what a device computes against the float64 reference, on small ground.
 
-A check uploads what its kernel reads, so that another kernel's fault is not taken for its own, and
-returns the worst difference. A new kernel's check is one function and one row of :data:`CHECKS`.
+A check uploads all that its kernel reads, so that another kernel's fault is not taken for its own,
+and returns the worst difference. A new kernel's check is one function and one row of
+:data:`CHECKS`.
 """
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, cached_property
 from typing import Any, Final
 
 import numpy as np
@@ -19,49 +20,67 @@ from .checkup import Check, Checks
 from .device import Device
 from .domain import displace_on_device
 from .error import vertical_error
+from .factors import DOMAINS
 from .grid import TileGrid
 from .heightmap import Heightmap
+from .holes import without_holes_on_device
 from .hull import EDGE_RULES, hull_on_device, patches_on_device
-from .layout import DEFAULT_TILE, FIXED_ONE
+from .layout import DEFAULT_TILE, FIXED_ONE, PARTITIONINGS
 from .lod import CoplanarityLod, DistanceLod, Lod, Scene, UniformLod
 from .mesh import Mesh
 from .pattern import DevicePattern
-from .reference import analysis, domain, error, hull, scan
+from .reference import analysis, domain, error, holes, hull, scan, tessellator
 from .scan import exclusive_scan
+from .tessellator import tessellate
 
 Array = npt.NDArray[Any]
 
 # two roundings of coordinates of thousands of metres, and of factors up to 63
 _METRES: Final = 1e-3
 _SEGMENTS: Final = 1e-4
+# share of the height range: sums of 256 heights, and a normal over the width of a tile
+_FIT: Final = 2e-6
 
 _LODS: Final[tuple[Lod, ...]] = (UniformLod(5.5), DistanceLod(falloff=2.5), CoplanarityLod())
+_SCENE: Final = Scene(diagonal=7000.0, rough_deviation=20.0)
+
+
+class _Case:
+    """Ground of 200 x 170 heights far from its world's origin, and what the reference finds."""
+
+    def __init__(self, *, holed: bool) -> None:
+        random = np.random.default_rng(1)
+        heights = random.normal(size=(200, 170)).cumsum(axis=0).cumsum(axis=1)
+        if holed:
+            heights[random.random(heights.shape) < 0.01] = np.nan
+            heights[:17, :17] = np.nan
+        self.ground = Heightmap(heights, spacing=(30.0, 20.0), origin=(500_000.0, 4_000_000.0))
+        self.grid = TileGrid.of(self.ground, DEFAULT_TILE)
+        self.origin = (*self.ground.origin, self.ground.base)
+
+    def upload(self, device: Device) -> DeviceGround:
+        return DeviceGround.upload(self.ground, device)
+
+    @cached_property
+    def fits(self) -> list[analysis.TileFit]:
+        return analysis.analyse(self.ground)
+
+    def upload_analysis(self, device: Device) -> DeviceAnalysis:
+        """Upload what the analysis kernel should have found."""
+        shape = (*self.grid.shape, 4)
+        planes, details = (values.astype(np.float32) for values in _outputs(self.fits))
+        return DeviceAnalysis(
+            device.array(planes.reshape(shape)), device.array(details.reshape(shape))
+        )
 
 
 @cache
-def _ground() -> Heightmap:
-    """Ground of 200 x 170 m heights with holes, far from its world's origin."""
-    random = np.random.default_rng(1)
-    heights = random.normal(size=(200, 170)).cumsum(axis=0).cumsum(axis=1)
-    heights[random.random(heights.shape) < 0.01] = np.nan
-    heights[:17, :17] = np.nan
-    return Heightmap(heights, spacing=(30.0, 20.0), origin=(500_000.0, 4_000_000.0))
+def _cases() -> tuple[_Case, _Case]:
+    """Kernels are built differently for ground with holes, so both are tried."""
+    return _Case(holed=False), _Case(holed=True)
 
 
-def _grid() -> TileGrid:
-    return TileGrid.of(_ground(), DEFAULT_TILE)
-
-
-def _scene() -> Scene:
-    return Scene(diagonal=7000.0, rough_deviation=20.0)
-
-
-@cache
-def _fits() -> list[analysis.TileFit]:
-    return analysis.analyse(_ground())
-
-
-def _expected_analysis(fits: list[analysis.TileFit]) -> tuple[Array, Array]:
+def _outputs(fits: list[analysis.TileFit]) -> tuple[Array, Array]:
     """Return the analysis kernel's two outputs, (P, 4) each."""
     planes = [(*fit.normal, fit.height) for fit in fits]
     details = [(fit.deviation, fit.minimum, fit.maximum, fit.nodata) for fit in fits]
@@ -76,104 +95,143 @@ def _difference(found: Array, expected: Array) -> float:
     return float(np.nanmax(np.abs(found - expected), initial=0.0))
 
 
+def _unequal(found: Array, expected: Array) -> float:
+    """Return how many rows differ; all where there are more or fewer of them."""
+    if found.shape != expected.shape:
+        return float(max(len(found), len(expected)))
+    return float(np.count_nonzero((found != expected).reshape(len(expected), -1).any(axis=1)))
+
+
 def _analysis(device: Device) -> Check:
-    ground, worst = DeviceGround.upload(_ground(), device), 0.0
-    # a normal's error tells in the height at the end of a tile
-    reach = np.array([*[DEFAULT_TILE * max(_ground().spacing)] * 3, 1.0])
-    for plane in PLANES:
-        found = analyse_on_device(ground, _grid(), plane=plane)
-        planes, details = _expected_analysis(analysis.analyse(_ground(), plane=plane))
-        worst = max(
-            worst,
-            _difference(found.planes.host() * reach, (planes * reach).reshape(found.planes.shape)),
-            _difference(found.details.host(), details),
-        )
-    return Check(worst, 1e-5 * float(np.ptp(_ground().height_range)), "m")
+    differences = []
+    for case in _cases():
+        # a normal's error tells in the height at the end of a tile
+        length = DEFAULT_TILE * max(case.ground.spacing)
+        reach = np.array([length, length, length, 1.0])
+        for plane in PLANES:
+            found = analyse_on_device(case.upload(device), case.grid, plane=plane)
+            planes, details = _outputs(analysis.analyse(case.ground, plane=plane))
+            differences.append(
+                _difference(found.planes.host().reshape(-1, 4) * reach, planes * reach)
+            )
+            differences.append(_difference(found.details.host(), details))
+    return Check(max(differences), _FIT * float(np.ptp(_cases()[0].ground.height_range)), "m")
 
 
 def _control_points(device: Device) -> Check:
-    found = patches_on_device(DeviceGround.upload(_ground(), device), _grid(), fallback=-500.0)
-    expected = hull.control_points(_ground(), _grid(), -500.0)
-    return Check(_difference(found.control_points.host()[..., :3], expected), _METRES, "m")
+    differences = []
+    for case in _cases():
+        found = patches_on_device(case.upload(device), case.grid, fallback=-500.0)
+        expected = hull.control_points(case.ground, case.grid, -500.0)
+        differences.append(_difference(found.control_points.host()[..., :3], expected))
+    return Check(max(differences), _METRES, "m")
 
 
 def _hull(device: Device) -> Check:
-    ground, grid, fits = _ground(), _grid(), _fits()
-    x, y, z = ground.centre
-    camera = Camera((x - 300, y - 400, z + 500), (x + 500, y + 700, z), far=5e4)
-    origin = (*ground.origin, ground.base)
-    planes, details = (
-        device.array(values.astype(np.float32).reshape(*grid.shape, 4))
-        for values in _expected_analysis(fits)
-    )
-    low = ground.height_range[0] - ground.base
-    patches = patches_on_device(DeviceGround.upload(ground, device), grid, fallback=low)
-    worst = 0.0
-    for lod in _LODS:
-        for edges in EDGE_RULES:
-            found = hull_on_device(
-                *(grid, patches, DeviceAnalysis(planes, details)),
-                *(lod, _scene(), camera.view(origin)),
-                edges=edges,
-            )
-            edge, inside = hull.factors(
-                *(ground, grid, fits, lod, _scene()),
-                *(np.subtract(camera.eye, origin), camera.planes(origin)),
-                edges=edges,
-            )
-            worst = max(worst, _difference(found.edge.host(), edge))
-            worst = max(worst, _difference(found.inside.host(), inside))
-    return Check(worst, _SEGMENTS, "segments")
+    differences = []
+    for case in _cases():
+        ground, grid = case.ground, case.grid
+        x, y, z = ground.centre
+        camera = Camera((x - 300, y - 400, z + 500), (x + 500, y + 700, z), far=5e4)
+        view, eye = camera.view(case.origin), np.subtract(camera.eye, case.origin)
+        low = ground.height_range[0] - ground.base
+        patches = patches_on_device(case.upload(device), grid, fallback=low)
+        fits = case.upload_analysis(device)
+        for lod in _LODS:
+            for edges in EDGE_RULES:
+                found = hull_on_device(grid, patches, fits, lod, _SCENE, view, edges=edges)
+                planes = camera.planes(case.origin)
+                edge, inside = hull.factors(
+                    ground, grid, case.fits, lod, _SCENE, eye, planes, edges=edges
+                )
+                differences.append(_difference(found.edge.host(), edge))
+                differences.append(_difference(found.inside.host(), inside))
+    return Check(max(differences), _SEGMENTS, "segments")
 
 
 def _scan(device: Device) -> Check:
     counts = np.random.default_rng(2).integers(0, 1000, 20_001).astype(np.uint32)
     offsets, total = exclusive_scan(device.array(counts))
     expected = scan.exclusive_scan(counts)
-    wrong = np.count_nonzero(offsets.host() != expected) + (total != expected[-1])
-    return Check(float(wrong), 0.0, "offsets")
+    wrong = _unequal(offsets.host(), expected) + (total != expected[-1])
+    return Check(wrong, 0.0, "offsets")
+
+
+def _tessellator(device: Device) -> Check:
+    random, wrong = np.random.default_rng(5), 0.0
+    for name, shape in DOMAINS.items():
+        for partitioning in PARTITIONINGS:
+            edges = random.uniform(0.5, 20, (12, shape.edges))
+            insides = random.uniform(0.5, 20, (12, shape.insides)) if shape.insides else None
+            found = tessellate(name, edges, insides, partitioning=partitioning, device=device)
+            expected = tessellator.tessellate(name, edges, insides, partitioning=partitioning)
+            wrong += _unequal(found.points, expected.points)
+            wrong += _unequal(
+                *(tessellator.sorted_primitives(one.primitives) for one in (found, expected))
+            )
+    return Check(wrong, 0.0, "rows")
 
 
 def _domain(device: Device) -> Check:
-    ground, grid = _ground(), _grid()
+    differences = []
     random, count = np.random.default_rng(3), 40
-    points = random.integers(0, FIXED_ONE + 1, (grid.count * count, 2)).astype(np.uint32)
-    offsets = np.arange(0, len(points) + 1, count, dtype=np.uint32)
-    none = device.zeros((0, 3), np.int32)
-    pattern = DevicePattern(device.array(points), none, device.array(offsets), none)
-    found = displace_on_device(DeviceGround.upload(ground, device), grid, pattern)
-    patch = np.repeat(np.arange(grid.count), count)
-    positions, normals = domain.displace(ground, grid, points, patch)
-    # a point beside a hole has no height
-    columns, rows = domain.global_coordinates(grid, points, patch)
-    valid = np.pad(ground.valid, (0, 1), mode="edge")
-    cells = valid[:-1, :-1] & valid[:-1, 1:] & valid[1:, :-1] & valid[1:, 1:]
-    known = cells[rows // FIXED_ONE, columns // FIXED_ONE]
-    return Check(
-        max(
-            _difference(found.positions.host()[known], positions[known]),
-            _difference(found.normals.host()[known], normals[known]),
-        ),
-        _METRES,
-        "m",
+    for case in _cases():
+        grid = case.grid
+        points = random.integers(0, FIXED_ONE + 1, (grid.count * count, 2)).astype(np.uint32)
+        offsets = np.arange(0, len(points) + 1, count, dtype=np.uint32)
+        none = device.zeros((0, 3), np.int32)
+        pattern = DevicePattern(device.array(points), none, device.array(offsets), none)
+        found = displace_on_device(case.upload(device), grid, pattern)
+        patch = np.repeat(np.arange(grid.count), count)
+        positions, normals = domain.displace(case.ground, grid, points, patch)
+        # a point in a cell without data has no height
+        columns, rows = domain.global_coordinates(grid, points, patch)
+        cells = np.pad(holes.cells_with_data(case.ground), (0, 1), mode="edge")
+        known = cells[rows // FIXED_ONE, columns // FIXED_ONE]
+        differences.append(_difference(found.positions.host()[known], positions[known]))
+        differences.append(_difference(found.normals.host()[known], normals[known]))
+    return Check(max(differences), _METRES, "m")
+
+
+def _holes(device: Device) -> Check:
+    case = _cases()[1]
+    # 6 x 6 points a tile, two triangles a cell between them
+    side, tiles = 6, case.grid.count
+    places = np.linspace(0, FIXED_ONE, side).round().astype(np.uint32)
+    points = np.tile(np.stack(np.meshgrid(places, places), axis=-1).reshape(-1, 2), (tiles, 1))
+    a = (side * np.arange(side - 1)[:, None] + np.arange(side - 1)).ravel()
+    b, c, d = a + 1, a + side, a + side + 1
+    cells = np.concatenate([np.stack([a, c, b], axis=1), np.stack([b, c, d], axis=1)])
+    patch = np.repeat(np.arange(tiles), len(cells))
+    triangles = (np.tile(cells, (tiles, 1)) + side**2 * patch[:, None]).astype(np.int32)
+    pattern = DevicePattern(
+        device.array(points),
+        device.array(triangles),
+        device.array(np.arange(0, len(points) + 1, side**2, dtype=np.uint32)),
+        device.array(np.arange(0, len(triangles) + 1, len(cells), dtype=np.uint32)),
     )
+    found = without_holes_on_device(
+        case.upload(device), case.grid, case.upload_analysis(device), pattern
+    )
+    expected = triangles[holes.kept(case.ground, case.grid, points, triangles, patch)]
+    return Check(_unequal(found.primitives.host(), expected), 0.0, "triangles")
 
 
 def _vertical_error(device: Device) -> Check:
-    ground = _ground()
-    rows, columns = ground.shape
+    case = _cases()[1]
+    rows, columns = case.ground.shape
     random = np.random.default_rng(4)
-    corners = random.uniform((0, -rows, -400), (columns, 0, 100), (300, 3)) * (30, 20, 1)
-    triangles = random.integers(0, len(corners), (200, 3)).astype(np.int32)
+    # triangles of all sizes that cross each other, and the raster's border
+    corners = random.uniform((-9, -rows - 9, -400), (columns + 9, 9, 100), (300, 3)) * (30, 20, 1)
     mesh = Mesh(
         corners.astype(np.float32),
         np.tile(np.array([0, 0, 1], np.float32), (len(corners), 1)),
-        triangles,
-        origin=np.array([*ground.origin, ground.base]),
+        random.integers(0, len(corners), (200, 3)).astype(np.int32),
+        origin=np.array(case.origin),
     )
-    found = vertical_error(mesh, ground, field=True, device=device).field
+    found = vertical_error(mesh, case.ground, field=True, device=device).field
     assert found is not None
-    return Check(_difference(found, error.error_field(mesh, ground)), _METRES, "m")
+    return Check(_difference(found, error.error_field(mesh, case.ground)), _METRES, "m")
 
 
 CHECKS: Final[Checks] = {
@@ -181,6 +239,8 @@ CHECKS: Final[Checks] = {
     "control_points": _control_points,
     "hull": _hull,
     "scan": _scan,
+    "tessellator": _tessellator,
     "domain": _domain,
+    "holes": _holes,
     "vertical_error": _vertical_error,
 }
