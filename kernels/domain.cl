@@ -10,40 +10,11 @@
 //       tile B, u = 0             |  both read (cell 15, fraction 0)
 //
 // Built with: GROUP work-items a patch, MASKED (0 or 1).
-#include "coordinate.h"
 #include "gradient.h"
-
-// a global coordinate along one axis
-typedef struct {
-    int cell;
-    int fraction;   // 0 .. FIXED_ONE - 1
-} Coordinate;
-
-inline Coordinate global_coordinate(int first, int offset)
-{
-    Coordinate coordinate = {first + (offset >> FIXED_BITS), offset & (FIXED_ONE - 1)};
-    return coordinate;
-}
 
 inline float cells_along(Coordinate c)
 {
     return c.cell + c.fraction * (1.0f / FIXED_ONE);
-}
-
-inline float blend(float a, float b, int fraction)
-{
-    return a + (b - a) * (fraction * (1.0f / FIXED_ONE));
-}
-
-// bilinear between the four samples around
-inline float height_between(const Ground ground, Coordinate column, Coordinate row)
-{
-    const int right = column.cell + (column.fraction > 0), below = row.cell + (row.fraction > 0);
-    const float upper = blend(sample_height(ground, row.cell, column.cell),
-                              sample_height(ground, row.cell, right), column.fraction);
-    const float lower = blend(sample_height(ground, below, column.cell),
-                              sample_height(ground, below, right), column.fraction);
-    return blend(upper, lower, row.fraction);
 }
 
 // the gradients at the four samples around, bilinear as well; on a sample there is just one

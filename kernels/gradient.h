@@ -11,18 +11,7 @@
 #ifndef GRADIENT_H
 #define GRADIENT_H
 
-#include "common.h"
-
-typedef struct {
-    Grid grid;
-    __global const float *heights;
-    __global const uchar *holes;
-} Ground;
-
-inline float sample_height(const Ground ground, int row, int column)
-{
-    return ground.heights[sample_index(ground.grid, row, column)];
-}
+#include "ground.h"
 
 inline bool has_sample(const Ground ground, int row, int column)
 {

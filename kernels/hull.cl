@@ -16,32 +16,14 @@
 // whichever tile asks, and the level of detail is a function of the tile alone.
 //
 // Built with: LOD, a header that defines patch_lod(); EDGE_RULE, fmin or fmax.
-#include "common.h"
+#include "frustum.h"
+#include "neighbour.h"
 #include "patch.h"
 #include LOD
-
-// a tile as a patch sees it: itself, or the neighbour across one of its edges
-#define OWN 0
-#define WEST 1
-#define NORTH 2
-#define EAST 3
-#define SOUTH 4
 
 // control points of the own tile and its neighbours: north-west, north-east, south-west, south-east
 __constant int CORNERS[5][4] = {
     {0, 1, 2, 3}, {8, 0, 9, 2}, {10, 11, 0, 1}, {1, 4, 3, 5}, {2, 3, 6, 7}};
-__constant int ROW_STEP[5] = {0, 0, -1, 0, 1};
-__constant int COLUMN_STEP[5] = {0, -1, 0, 1, 0};
-
-// index of a tile's neighbour, clamped onto the tile itself at the border
-inline int neighbour(Grid grid, int patch, int side)
-{
-    const int row = patch / grid.tile_columns + ROW_STEP[side];
-    const int column = patch % grid.tile_columns + COLUMN_STEP[side];
-    const bool outside = row < 0 || row >= grid.tile_rows
-                      || column < 0 || column >= grid.tile_columns;
-    return outside ? patch : row * grid.tile_columns + column;
-}
 
 inline float3 midpoint(__global const float4 *control_points, __global const int *indices,
                        int side)
@@ -66,31 +48,6 @@ inline Patch look_at(Grid grid, int patch, int side,
     seen.maximum = details[tile].z;
     seen.holes = details[tile].w;
     return seen;
-}
-
-// Return true where the box is outside one plane for certain. Rounding is on the patch's side:
-// each product and sum below is right to within a few 2^-24 of its largest term.
-inline bool outside_frustum(const View view, float3 low, float3 high)
-{
-    bool outside = false;
-    for (int i = 0; i < FRUSTUM_PLANES; ++i) {
-        const float x = view.planes[i][0] * (view.planes[i][0] > 0.0f ? high.x : low.x);
-        const float y = view.planes[i][1] * (view.planes[i][1] > 0.0f ? high.y : low.y);
-        const float z = view.planes[i][2] * (view.planes[i][2] > 0.0f ? high.z : low.z);
-        const float w = view.planes[i][3];
-        const float slack = 1e-6f * (fabs(x) + fabs(y) + fabs(z) + fabs(w));
-        outside |= x + y + z + w < -slack;
-    }
-    return outside;
-}
-
-inline bool is_culled(Grid grid, Tile tile, const View view, const Patch own)
-{
-    const float3 low = (float3)(tile.column * grid.dx,
-                                -(tile.row + tile.cells_down) * grid.dy, own.minimum);
-    const float3 high = (float3)((tile.column + tile.cells_across) * grid.dx,
-                                 -tile.row * grid.dy, own.maximum);
-    return outside_frustum(view, low, high);
 }
 
 // one segment a cell is all that the raster can show; where a tile has holes it is what keeps
@@ -130,12 +87,12 @@ __kernel void hull(const Grid grid, const View view, const int cull,
     }
 
     const bool empty = isnan(lod[OWN]);
-    const bool culled = empty || (cull && is_culled(grid, tile, view, seen[OWN]));
+    const bool culled = empty || (cull && is_out_of_view(grid, tile, view, seen[OWN].minimum,
+                                                         seen[OWN].maximum));
     const bool holes = seen[OWN].holes > 0.0f;
     for (int edge = 0; edge < EDGES; ++edge) {
-        // edges u = 0 and u = 1 run along v, south
-        const int cells = edge % 2 == 0 ? tile.cells_down : tile.cells_across;
-        const float factor = edge_factor(seen[OWN], lod[OWN], seen[edge + 1], lod[edge + 1], cells);
+        const float factor = edge_factor(seen[OWN], lod[OWN], seen[edge + 1], lod[edge + 1],
+                                         edge_cells(tile, edge));
         edge_factors[patch * EDGES + edge] = culled ? 0.0f : factor;
     }
     inside_factors[patch * INSIDES + 0] =

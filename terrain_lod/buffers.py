@@ -100,3 +100,27 @@ class DeviceVertices:
 
     positions: DeviceArray
     normals: DeviceArray
+
+
+@dataclass(frozen=True, eq=False)
+class DeviceLadder:
+    """Errors of every tile and every edge, in the raster's unit.
+
+    Level k is the factor 2 k + 1, or the tile's cells where it has fewer.
+
+    Attributes
+    ----------
+    tiles : DeviceArray, (P, L, L) float32
+        Largest vertical error of the tile at level pair [along v, along u].
+    across : DeviceArray, ((TR + 1) * TC, L) float32
+        Of the edges that run along u, row by row.
+    down : DeviceArray, (TR * (TC + 1), L) float32
+        Of the edges that run along v.
+    costs : DeviceArray, (L, L) int32
+        Triangles of a tile at level pair [along v, along u].
+    """
+
+    tiles: DeviceArray
+    across: DeviceArray
+    down: DeviceArray
+    costs: DeviceArray

@@ -18,7 +18,7 @@ Vectors = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Camera:
-    """A perspective camera in world coordinates.
+    """A camera in world coordinates: perspective, or parallel where `height` is given.
 
     Parameters
     ----------
@@ -32,6 +32,8 @@ class Camera:
         Width and height of the picture in pixels.
     near, far : float, optional
         Depths of the clipping planes in world units; `far` may be infinite.
+    height : float, optional
+        World height of the picture of a parallel (orthographic) camera; `fov` means nothing then.
 
     Raises
     ------
@@ -46,6 +48,7 @@ class Camera:
     size: tuple[int, int] = (1920, 1080)
     near: float = 0.1
     far: float = math.inf
+    height: float | None = None
 
     def __post_init__(self) -> None:
         for name in ("eye", "target", "up"):
@@ -59,6 +62,8 @@ class Camera:
         positive("near", self.near)
         if math.isnan(self.far) or self.far <= self.near:
             raise InputError(f"expected far > near, got far {self.far:g} and near {self.near:g}")
+        if self.height is not None:
+            positive("height", self.height)
         if self.eye == self.target:
             raise InputError(f"expected a camera away from its target, got both at {self.eye}")
         view = np.subtract(self.target, self.eye)
@@ -75,13 +80,13 @@ class Camera:
 
     @property
     def half_extents(self) -> tuple[float, float]:
-        """Half the picture's width and height at depth 1."""
-        vertical = math.tan(math.radians(self.fov) / 2)
+        """Half the picture's width and height: at depth 1, or at any where parallel."""
+        vertical = self.height / 2 if self.height else math.tan(math.radians(self.fov) / 2)
         return vertical * self.size[0] / self.size[1], vertical
 
     @property
-    def pixels_per_radian(self) -> float:
-        """Pixels that something of size 1 at depth 1 covers, in the middle of the picture."""
+    def focal(self) -> float:
+        """Pixels that size 1 covers mid-picture: at depth 1, or at any where parallel."""
         return self.size[1] / (2 * self.half_extents[1])
 
     def planes(self, origin: npt.ArrayLike = (0.0, 0.0, 0.0)) -> Vectors:
@@ -100,14 +105,13 @@ class Camera:
         """
         right, upward, forward = self.axes
         width, height = self.half_extents
-        sides = [
-            _unit(right + width * forward),
-            _unit(-right + width * forward),
-            _unit(upward + height * forward),
-            _unit(-upward + height * forward),
-        ]
         eye = np.subtract(self.eye, origin)
-        planes = [np.append(normal, -normal @ eye) for normal in sides]
+        planes = []
+        for across, half in ((right, width), (-right, width), (upward, height), (-upward, height)):
+            # through the eye and along the side of the picture; where parallel, along the view
+            normal = across if self.height else _unit(across + half * forward)
+            shift = half if self.height else 0.0
+            planes.append(np.append(normal, shift - normal @ eye))
         planes.append(np.append(forward, -forward @ eye - self.near))
         if math.isinf(self.far):
             planes.append(np.array([0.0, 0.0, 0.0, 1.0]))
@@ -124,9 +128,10 @@ class Camera:
         relative = np.asarray(points, np.float64) - self.eye
         depth = relative @ forward
         width, height = self.half_extents
+        scale = np.ones_like(depth) if self.height else depth
         with np.errstate(divide="ignore", invalid="ignore"):
-            x = (relative @ right) / (depth * width)
-            y = (relative @ upward) / (depth * height)
+            x = (relative @ right) / (scale * width)
+            y = (relative @ upward) / (scale * height)
         pixels = np.stack([(1 + x) / 2 * self.size[0], (1 - y) / 2 * self.size[1]], axis=-1)
         return pixels, depth
 
@@ -135,6 +140,11 @@ class Camera:
         record = np.zeros((), layout.VIEW)
         record["eye"] = np.subtract(self.eye, origin)
         record["planes"] = self.planes(origin)
+        record["axes"] = self.axes
+        record["focal"] = self.focal
+        record["widest"] = 0.0 if self.height else math.hypot(*self.half_extents)
+        record["near"] = self.near
+        record["parallel"] = self.height is not None
         return record
 
 

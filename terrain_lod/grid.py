@@ -66,6 +66,11 @@ class TileGrid:
         return self.shape[0] * self.shape[1]
 
     @property
+    def levels(self) -> int:
+        """Levels of the error ladder: the odd factors 1, 3, 5, ... up to a tile's cells."""
+        return (self.tile + 1) // 2
+
+    @property
     def corner_rows(self) -> npt.NDArray[np.int64]:
         """Sample rows of the tile corners; (TR + 1,)."""
         return _corners(self.rows - 1, self.tile)

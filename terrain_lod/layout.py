@@ -48,6 +48,11 @@ VIEW: Final = np.dtype(
         ("eye", np.float32, (3,)),
         # a point is inside where dot(plane.xyz, point) + plane.w >= 0
         ("planes", np.float32, (FRUSTUM_PLANES, 4)),
+        ("axes", np.float32, (3, 3)),  # right, upward, forward
+        ("focal", np.float32),  # pixels of size 1 at depth 1; at any depth where parallel
+        ("widest", np.float32),  # tangent of the angle to the corners of the picture
+        ("near", np.float32),
+        ("parallel", np.int32),
     ]
 )
 

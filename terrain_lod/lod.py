@@ -7,11 +7,12 @@ a function of ``terrain_lod.reference.lod``. The class's numbers reach the heade
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar
 
-from .arguments import finite, positive
+from .arguments import finite, positive, whole
 from .errors import InputError
 from .layout import MAX_TILE
 
@@ -144,6 +145,81 @@ class CoplanarityLod(Lod):
             "full_deviation": rough if rough > 0 else 1.0,
             "flat_weight": self.flat_weight,
         }
+
+
+class PromiseLod:
+    """A level of detail that promises an error: the finished mesh is measured and keeps to it.
+
+    Attributes
+    ----------
+    needs_camera : bool
+    metres, pixels : float
+        The most that the mesh may be off at any sample, vertically in the raster's unit and in the
+        picture; infinite where not asked for.
+    triangles : int or None
+        The most triangles, if there is a limit.
+    """
+
+    needs_camera: ClassVar[bool] = False
+    metres: float = math.inf
+    pixels: float = math.inf
+    triangles: int | None = None
+
+
+@dataclass(frozen=True)
+class MaxErrorLod(PromiseLod):
+    """The fewest triangles within a vertical error at every sample; needs no camera.
+
+    Parameters
+    ----------
+    metres : float
+        In the raster's unit, above 0.
+    """
+
+    metres: float
+
+    def __post_init__(self) -> None:
+        positive("metres", self.metres)
+
+
+@dataclass(frozen=True)
+class ScreenErrorLod(PromiseLod):
+    """The fewest triangles within an error in pixels at every sample that is in view.
+
+    Parameters
+    ----------
+    pixels : float
+        How far the mesh may be off in the camera's picture, above 0.
+    """
+
+    pixels: float = 1.0
+    needs_camera: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        positive("pixels", self.pixels)
+
+
+@dataclass(frozen=True)
+class BudgetLod(PromiseLod):
+    """The least error that a number of triangles can give: in pixels, without a camera in metres.
+
+    Parameters
+    ----------
+    triangles : int
+        The most that the mesh may have.
+    pixels, metres : float, optional
+        Errors that need not be bettered: fewer triangles are used where they suffice.
+    """
+
+    triangles: int
+    pixels: float = 0.0
+    metres: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "triangles", whole("triangles", self.triangles, 1, 2**31))
+        for name in ("pixels", "metres"):
+            if finite(name, getattr(self, name)) < 0:
+                raise InputError(f"expected {name} >= 0, got {getattr(self, name):g}")
 
 
 def _range_parameters(lod: DistanceLod | CoplanarityLod, scene: Scene) -> dict[str, float]:

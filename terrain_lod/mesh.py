@@ -58,6 +58,28 @@ class Patches:
         return self.count - int(np.count_nonzero(self.drawn))
 
 
+@dataclass(frozen=True)
+class Achieved:
+    """What a promise came to, measured on the finished triangles at every sample.
+
+    Attributes
+    ----------
+    metres : float
+        Largest vertical error, in the raster's unit.
+    pixels : float or None
+        Bound of the largest error in the picture; None without a camera.
+    kept : bool
+        Whether that is within what was asked for.
+    rounds : int
+        How often the mesh was measured.
+    """
+
+    metres: float
+    pixels: float | None
+    kept: bool
+    rounds: int
+
+
 @dataclass(frozen=True, eq=False)
 class Mesh:
     """An indexed triangle mesh with normals.
@@ -77,6 +99,8 @@ class Mesh:
         Where the triangles came from; None for a mesh that was loaded.
     timings : dict of str to float
         Seconds of device time by stage.
+    achieved : Achieved or None
+        The measured error, where the level of detail promised one.
     """
 
     vertices: npt.NDArray[np.float32]
@@ -86,6 +110,7 @@ class Mesh:
     crs: str | None = None
     patches: Patches | None = None
     timings: dict[str, float] = field(default_factory=dict)
+    achieved: Achieved | None = None
 
     def __post_init__(self) -> None:
         for name, array, width in (

@@ -11,12 +11,14 @@ Data stays on the device between the stages and comes down once, as a Mesh.
 from __future__ import annotations
 
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from . import layout
 from .analysis import TileAnalysis, analyse_on_device
-from .buffers import DeviceFactors, DeviceGround, DeviceVertices
+from .buffers import DeviceFactors, DeviceGround, DeviceLadder, DeviceVertices
 from .camera import Camera
 from .device import Device
 from .domain import displace_on_device
@@ -25,10 +27,13 @@ from .grid import TileGrid
 from .heightmap import Heightmap
 from .holes import without_holes_on_device
 from .hull import hull_on_device, patches_on_device
-from .lod import CoplanarityLod, Lod, Scene
-from .mesh import Mesh, Patches
+from .ladder import ladder_on_device
+from .lod import Lod, PromiseLod, Scene, ScreenErrorLod
+from .mesh import Achieved, Mesh, Patches
 from .pattern import DevicePattern
+from .promise import Promise
 from .tessellator import tessellate_device
+from .timeline import Timeline
 
 
 class Terrain:
@@ -97,8 +102,8 @@ class Terrain:
         self,
         camera: Camera | None = None,
         *,
-        lod: Lod | None = None,
-        edges: str = "min",
+        lod: Lod | PromiseLod | None = None,
+        edges: str | None = None,
         partitioning: str = "fractional_odd",
         cull: bool = True,
     ) -> Mesh:
@@ -108,10 +113,13 @@ class Terrain:
         ----------
         camera : Camera, optional
             Where detail is wanted, and what is in view. Without one, nothing is culled.
-        lod : Lod, optional
-            Segments that a patch deserves; defaults to :class:`CoplanarityLod`.
-        edges : {"min", "max"}, optional
-            Factor of a shared edge: the lower of the two tiles' levels, or the higher.
+        lod : Lod or PromiseLod, optional
+            A formula for the segments that a patch deserves, or an error to keep; defaults to
+            ``ScreenErrorLod(1.0)``.
+        edges : {"min", "max", "edge"}, optional
+            Factor of a shared edge: the lower of the two tiles' (the default with a formula, and
+            the book's), the higher, or by the edge's own error (the default with a promise, and
+            for promises alone).
         partitioning : {"fractional_odd", "fractional_even", "integer", "pow2"}, optional
         cull : bool, optional
             Leave out the patches whose bounds are out of view.
@@ -128,28 +136,51 @@ class Terrain:
         DeviceMemoryError
             If the device cannot hold the mesh.
         """
-        lod = lod or CoplanarityLod()
+        lod = lod or ScreenErrorLod()
         if camera is None and lod.needs_camera:
             raise InputError(f"{type(lod).__name__} needs a camera, got none")
+        cull = cull and camera is not None
+        achieved = None
         with self.device.timed() as timeline:
-            factors = self._factors(camera, lod, edges, cull)
-            pattern = self._pattern(factors, partitioning)
+            if isinstance(lod, PromiseLod):
+                kept = self._promise(camera, edges or "edge", partitioning, cull).keep(lod)
+                factors, pattern, achieved = kept.factors, kept.pattern, kept.achieved
+            else:
+                factors = self._factors(camera, lod, edges or "min", cull)
+                pattern = self._pattern(factors, partitioning)
             vertices = displace_on_device(self._ground, self.grid, pattern)
-            mesh = self._download(factors, pattern, vertices)
-        mesh.timings.update(timeline.seconds)
-        return mesh
+            return self._download(factors, pattern, vertices, timeline, achieved)
+
+    @cached_property
+    def _ladder(self) -> DeviceLadder:
+        return ladder_on_device(self._ground, self.grid, self._analysis)
+
+    def _view(self, camera: Camera | None) -> npt.NDArray[Any]:
+        return np.zeros((), layout.VIEW) if camera is None else camera.view(self.origin)
+
+    def _promise(self, camera: Camera | None, edges: str, partitioning: str, cull: bool) -> Promise:
+        return Promise(
+            self._ground,
+            self.grid,
+            self._analysis,
+            self._ladder,
+            self._view(camera),
+            has_camera=camera is not None,
+            tessellate=lambda factors: self._pattern(factors, partitioning),
+            edges=edges,
+            cull=cull,
+        )
 
     def _factors(self, camera: Camera | None, lod: Lod, edges: str, cull: bool) -> DeviceFactors:
-        view = np.zeros((), layout.VIEW) if camera is None else camera.view(self.origin)
         return hull_on_device(
             self.grid,
             self._patches,
             self._analysis,
             lod,
             self.scene,
-            view,
+            self._view(camera),
             edges=edges,
-            cull=cull and camera is not None,
+            cull=cull,
         )
 
     def _pattern(self, factors: DeviceFactors, partitioning: str) -> DevicePattern:
@@ -162,7 +193,12 @@ class Terrain:
         return without_holes_on_device(self._ground, self.grid, self._analysis, pattern)
 
     def _download(
-        self, factors: DeviceFactors, pattern: DevicePattern, vertices: DeviceVertices
+        self,
+        factors: DeviceFactors,
+        pattern: DevicePattern,
+        vertices: DeviceVertices,
+        timeline: Timeline,
+        achieved: Achieved | None,
     ) -> Mesh:
         patches = Patches(
             shape=self.grid.shape,
@@ -180,6 +216,8 @@ class Terrain:
             origin=np.array(self.origin),
             crs=self.ground.crs,
             patches=patches,
+            timings=timeline.seconds,
+            achieved=achieved,
         )
 
     def __repr__(self) -> str:

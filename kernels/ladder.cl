@@ -1,0 +1,221 @@
+// The error ladder: how far is each tile from the ground at every pair of factors?
+//
+// At odd factors (fu, fv) with edges to match, the tessellator cuts a tile into a regular lattice;
+// its vertices are bilinear between samples, its triangles are plane. For every pair of the ladder
+//
+//     error[tile, fv, fu] = max over the tile's samples |height of the triangle - sample|
+//
+// and for every edge between tiles the same along a line. One pass over the raster: a tile's
+// samples are read once and all pairs are measured from there.
+//
+//     lattice cell (i, j)      z00 --- z10     diagonals as the tessellator draws them: '\' north-west
+//     of 3 x 3: \ \ /           |  \    |      and south-east of the middle, '/' elsewhere
+//               / / /           |    \  |
+//               / \ \          z01 --- z11
+//
+// LANES tiles of equal size are measured side by side, lane by lane the same arithmetic: that is
+// what makes a CPU's vector unit busy. A GPU takes one tile an item and shares out the factors.
+//
+// Built with: TILE cells, LEVELS of the ladder, LANES (1 or 8).
+#include "common.h"
+
+// each lane rounds by itself: nothing is shared with another stage to the bit
+#pragma OPENCL FP_CONTRACT ON
+
+#define WIDTH (TILE + 1)
+
+#if LANES == 8
+typedef float8 Real;
+#define LARGER(a, b) ((a) > (b) ? (a) : (b))
+#define ABSOLUTE(a) ((a) < 0.0f ? -(a) : (a))
+#define SET_LANE(real, lane, value) ((float *)&(real))[lane] = (value)
+#define LANE(real, lane) ((const float *)&(real))[lane]
+#else
+typedef float Real;
+#define LARGER(a, b) ((a) > (b) ? (a) : (b))
+#define ABSOLUTE(a) ((a) < 0.0f ? -(a) : (a))
+#define SET_LANE(real, lane, value) (real) = (value)
+#define LANE(real, lane) (real)
+#endif
+
+// the factor of a level: 1, 3, 5, ...; a tile of fewer cells stops at its cells
+inline int factor_of(int level, int cells)
+{
+    const int factor = 2 * level + 1;
+    return factor < cells ? factor : cells;
+}
+
+// where the samples of a line of cells lie in a lattice of f segments
+typedef struct {
+    int cell[WIDTH];
+    float fraction[WIDTH];
+} Axis;
+
+inline Axis lattice_axis(int f, int cells)
+{
+    Axis axis;
+    for (int s = 0; s <= cells; ++s) {
+        const int cell = min(s * f / cells, f - 1);
+        axis.cell[s] = cell;
+        axis.fraction[s] = (float)(s * f - cell * cells) / cells;
+    }
+    return axis;
+}
+
+// the cells of lattice line j whose diagonal runs from north-west to south-east: first .. last
+inline int2 falling_cells(int j, int fu, int fv)
+{
+    const int middle_u = fu / 2, middle_v = fv / 2;
+    if (j < middle_v || fu * fv == 1)
+        return (int2)(0, middle_u);
+    return j > middle_v ? (int2)(middle_u, fu) : (int2)(1, 0);
+}
+
+// a lattice's lines are bilinear in the samples: first along each row of samples ...
+inline void resample_rows(const Real *heights, int fu, int cells_across, int rows, Real *columns)
+{
+    for (int i = 0; i <= fu; ++i) {
+        const int sample = i * cells_across / fu;
+        const int next = sample < cells_across ? sample + 1 : sample;
+        const float fraction = (float)(i * cells_across - sample * fu) / fu;
+        for (int row = 0; row < rows; ++row) {
+            const Real left = heights[row * WIDTH + sample], right = heights[row * WIDTH + next];
+            columns[row * WIDTH + i] = left + (right - left) * fraction;
+        }
+    }
+}
+
+// ... then between two of them
+inline void resample_line(const Real *columns, int j, int fu, int fv, int cells_down, Real *line)
+{
+    const int sample = j * cells_down / fv;
+    const int next = sample < cells_down ? sample + 1 : sample;
+    const float fraction = (float)(j * cells_down - sample * fv) / fv;
+    for (int i = 0; i <= fu; ++i) {
+        const Real above = columns[sample * WIDTH + i], below = columns[next * WIDTH + i];
+        line[i] = above + (below - above) * fraction;
+    }
+}
+
+// height at (a, b) of a lattice cell, on the triangle that holds the point
+inline Real on_triangle(Real z00, Real z10, Real z01, Real z11, float a, float b, bool falling)
+{
+    if (falling)
+        return a >= b ? z00 + (z10 - z00) * a + (z11 - z10) * b
+                      : z00 + (z01 - z00) * b + (z11 - z01) * a;
+    return a + b <= 1.0f ? z00 + (z10 - z00) * a + (z01 - z00) * b
+                         : z11 + (z01 - z11) * (1.0f - a) + (z10 - z11) * (1.0f - b);
+}
+
+// the largest error of one row of samples, at b between two lattice lines
+inline Real row_error(const Real *heights, const Real *upper, const Real *lower, int cells_across,
+                      const Axis *across, int2 falling, float b)
+{
+    Real error = 0.0f;
+    for (int column = 0; column <= cells_across; ++column) {
+        const int i = across->cell[column];
+        const Real z = on_triangle(upper[i], upper[i + 1], lower[i], lower[i + 1],
+                                   across->fraction[column], b, i >= falling.x && i <= falling.y);
+        const Real difference = ABSOLUTE(z - heights[column]);
+        error = LARGER(difference, error);
+    }
+    return error;
+}
+
+inline Real lattice_error(const Real *heights, const Real *columns, const Axis *across,
+                          int cells_across, int cells_down, int fu, int fv)
+{
+    const Axis down = lattice_axis(fv, cells_down);
+    Real upper[WIDTH], lower[WIDTH];
+    Real error = 0.0f;
+    int line = -1;
+    for (int row = 0; row <= cells_down; ++row) {
+        const int j = down.cell[row];
+        if (j != line) {
+            resample_line(columns, j, fu, fv, cells_down, upper);
+            resample_line(columns, j + 1, fu, fv, cells_down, lower);
+            line = j;
+        }
+        const Real found = row_error(heights + row * WIDTH, upper, lower, cells_across, across,
+                                     falling_cells(j, fu, fv), down.fraction[row]);
+        error = LARGER(found, error);
+    }
+    return error;
+}
+
+__kernel void ladder(const Grid grid,
+                     __global const float *heights,         // (R, C)
+                     __global const float4 *details,        // (P,) .w: samples without data
+                     __global const int *groups,            // (G, LANES) tiles of equal size
+                     const int group_count,
+                     __global float *errors)                // (P, LEVELS, LEVELS): fv, fu
+{
+    const int group = get_global_id(0);
+    if (group >= group_count)
+        return;
+    __global const int *tiles = groups + group * LANES;
+    const Tile first = tile_at(grid, tiles[0]);
+    Real samples[WIDTH * WIDTH], columns[WIDTH * WIDTH];
+    for (int lane = 0; lane < LANES; ++lane) {
+        const Tile tile = tile_at(grid, tiles[lane]);
+        for (int row = 0; row <= tile.cells_down; ++row)
+            for (int column = 0; column <= tile.cells_across; ++column)
+                SET_LANE(samples[row * WIDTH + column], lane,
+                         heights[sample_index(grid, tile.row + row, tile.column + column)]);
+    }
+    for (int level_u = get_global_id(1); level_u < LEVELS; level_u += get_global_size(1)) {
+        const int fu = factor_of(level_u, first.cells_across);
+        const Axis across = lattice_axis(fu, first.cells_across);
+        resample_rows(samples, fu, first.cells_across, first.cells_down + 1, columns);
+        for (int level_v = 0; level_v < LEVELS; ++level_v) {
+            const int fv = factor_of(level_v, first.cells_down);
+            const Real error = lattice_error(samples, columns, &across, first.cells_across,
+                                             first.cells_down, fu, fv);
+            const bool is_full = fu == first.cells_across && fv == first.cells_down;
+            for (int lane = 0; lane < LANES; ++lane) {
+                // a tile with holes is always meshed in full
+                const bool usable = is_full || details[tiles[lane]].w == 0.0f;
+                errors[(tiles[lane] * LEVELS + level_v) * LEVELS + level_u] =
+                    usable ? LANE(error, lane) : INFINITY;
+            }
+        }
+    }
+}
+
+// Along a line of samples: the edges between tiles, and the terrain's border.
+__kernel void edge_ladder(const Grid grid, const int vertical,
+                          __global const float *heights,    // (R, C)
+                          __global float *errors)           // (edges, LEVELS)
+{
+    // edges that run across: (TR + 1, TC); edges that run down: (TR, TC + 1)
+    const int across = grid.tile_columns + vertical, down = grid.tile_rows + 1 - vertical;
+    const int edge = get_global_id(0);
+    if (edge >= across * down)
+        return;
+    const int tile_r = edge / across, tile_c = edge % across;
+    const int row = tile_row(grid, tile_r), column = tile_column(grid, tile_c);
+    const int cells = vertical ? tile_row(grid, tile_r + 1) - row
+                               : tile_column(grid, tile_c + 1) - column;
+    const size_t stride = vertical ? grid.columns : 1;
+    __global const float *line = heights + sample_index(grid, row, column);
+    for (int level = 0; level < LEVELS; ++level) {
+        const int f = factor_of(level, cells);
+        const Axis axis = lattice_axis(f, cells);
+        float error = 0.0f;
+        for (int s = 0; s <= cells; ++s) {
+            float end[2];
+            for (int k = 0; k < 2; ++k) {
+                const int i = axis.cell[s] + k;
+                const int sample = i * cells / f;
+                const float fraction = (float)(i * cells - sample * f) / f;
+                const float here = line[sample * stride];
+                const float next = line[(sample < cells ? sample + 1 : sample) * stride];
+                end[k] = here + (next - here) * fraction;
+            }
+            const float z = end[0] + (end[1] - end[0]) * axis.fraction[s];
+            const float difference = ABSOLUTE(z - line[s * stride]);
+            error = LARGER(difference, error);
+        }
+        errors[edge * LEVELS + level] = error;
+    }
+}

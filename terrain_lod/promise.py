@@ -1,0 +1,137 @@
+"""Keeping a promise: choose from the ladder, measure what comes of it, tighten, until it holds.
+
+The ladder knows a tile with edges to match. Where an edge has another factor, a transition strip
+makes triangles that no ladder has measured. So the finished triangles are measured, on the device,
+and tiles that exceed what they are allowed are asked for less; in the end they are meshed in full,
+which is exact. What is promised is what was measured last.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+import numpy.typing as npt
+
+from .buffers import DeviceAnalysis, DeviceFactors, DeviceGround, DeviceLadder
+from .errors import InputError
+from .grid import TileGrid
+from .lod import PromiseLod
+from .mesh import Achieved
+from .pattern import DevicePattern
+from .selection import Selection
+
+# shares of what is allowed shrink so fast that full resolution comes well before this
+_MOST_ROUNDS: Final = 40
+
+# errors between which a budget's is looked for
+_SMALLEST: Final = 1e-6
+_LARGEST: Final = 1e9
+_HALVINGS: Final = 13
+
+
+@dataclass(frozen=True, eq=False)
+class Kept:
+    """The factors and the pattern that keep a promise, and what was measured of them."""
+
+    factors: DeviceFactors
+    pattern: DevicePattern
+    achieved: Achieved
+
+    @property
+    def triangle_count(self) -> int:
+        count: int = self.pattern.primitives.shape[0]
+        return count
+
+
+@dataclass(frozen=True, eq=False)
+class Promise:
+    """What promises about one terrain and one view are kept with.
+
+    Attributes
+    ----------
+    ground, grid, analysis, ladder
+        The terrain's.
+    view : layout.VIEW record
+    has_camera : bool
+        Whether `view` is a camera's: errors can be in pixels then.
+    tessellate : callable
+        From factors to the pattern that will be displaced, holes left out.
+    edges : str
+        Rule for the factors of edges.
+    cull : bool
+    """
+
+    ground: DeviceGround
+    grid: TileGrid
+    analysis: DeviceAnalysis
+    ladder: DeviceLadder
+    view: npt.NDArray[Any]
+    has_camera: bool
+    tessellate: Callable[[DeviceFactors], DevicePattern]
+    edges: str
+    cull: bool
+
+    def keep(self, lod: PromiseLod) -> Kept:
+        """Return the cheapest mesh found that keeps what `lod` promises."""
+        if lod.triangles is None:
+            return self._within(lod.metres, lod.pixels)
+        return self._least_error(lod.triangles, lod.pixels if self.has_camera else lod.metres)
+
+    def _within(self, metres: float, pixels: float) -> Kept:
+        selection = Selection.start(
+            self.grid,
+            self.analysis,
+            self.ladder,
+            self.view,
+            metres=metres,
+            pixels=pixels,
+            edges=self.edges,
+            cull=self.cull,
+        )
+        for rounds in range(1, _MOST_ROUNDS + 1):  # noqa: B007
+            selection.choose()
+            pattern = self.tessellate(selection.factors)
+            selection.measure(self.ground, pattern)
+            exceeding = selection.tighten()
+            if exceeding == 0:
+                break
+        worst = selection.measured.host()
+        allowed = selection.allowed.host()
+        # the error in pixels grows faster than that in metres, so their ratio bounds it
+        with np.errstate(invalid="ignore", divide="ignore"):
+            used = np.where(worst > 0, worst / allowed, 0.0)
+        achieved = Achieved(
+            metres=float(worst.max()),
+            pixels=pixels * float(np.nanmax(used, initial=0.0)) if np.isfinite(pixels) else None,
+            kept=exceeding == 0,
+            rounds=rounds,
+        )
+        return Kept(selection.factors, pattern, achieved)
+
+    def _least_error(self, triangles: int, enough: float) -> Kept:
+        """Return the mesh of at most so many `triangles` with the least error above `enough`."""
+        low, high = max(enough, _SMALLEST), _LARGEST
+        best = self._at(low)
+        if best.triangle_count <= triangles:
+            return best
+        best = self._at(high)
+        if best.triangle_count > triangles:
+            raise InputError(
+                f"expected a budget of at least {best.triangle_count} triangles for the patches "
+                f"in view, got {triangles}: use larger tiles or a larger budget"
+            )
+        # halve the range of errors, by their logarithm, around the budget
+        for _ in range(_HALVINGS):
+            middle = float(np.sqrt(low * high))
+            found = self._at(middle)
+            if found.triangle_count > triangles:
+                low = middle
+            else:
+                best, high = found, middle
+        return best
+
+    def _at(self, error: float) -> Kept:
+        return self._within(*((np.inf, error) if self.has_camera else (error, np.inf)))
