@@ -44,7 +44,9 @@ app = App(
     version=lambda: version("terrain_lod"),
     config=Env("TERRAIN_LOD_", show=False),
     default_parameter=Parameter(negative=""),
+    suppress_keyboard_interrupt=False,
 )
+app.meta.suppress_keyboard_interrupt = False
 
 Output = Annotated[Path, Parameter(alias="-o", metavar="FILE")]
 OutputFolder = Annotated[Path, Parameter(alias="-o", metavar="DIR")]
@@ -186,8 +188,7 @@ def mesh(
     made.save(output)
     say(f"{output}: {_counts(made)}")
     say(f"vertical error: {vertical_error(made, heights, device=terrain.open())}")
-    cracks = crack_report(made)
-    say(f"cracks: {cracks}" if cracks else "watertight")
+    say(str(crack_report(made)))
 
 
 @app.command(sort_key=4)
@@ -248,7 +249,7 @@ def samples() -> None:
         ground = sample(name)
         low, high = ground.height_range
         size = " × ".join(f"{extent:,}" for extent in ground.shape)
-        spacing = " × ".join(f"{step:g}" for step in dict.fromkeys(ground.spacing))
+        spacing = " × ".join(f"{step:.4g}" for step in dict.fromkeys(ground.spacing))
         rows.append((name, size, f"{spacing} m", f"{low:,.0f} to {high:,.0f} m"))
     say_table(("name", "samples", "spacing", "heights"), rows)
 

@@ -28,15 +28,17 @@ LOD_STOPS: Final[Stops] = (
     (1.00, 0.90, 0.08, 0.08),
 )
 
-# Lowland to summit, 0 the lowest ground of the picture and 1 the highest.
-HEIGHT_STOPS: Final[Stops] = (
+# Lowland to summit, 0 the lowest land of the picture and 1 the highest.
+LAND_STOPS: Final[Stops] = (
     (0.00, 0.42, 0.52, 0.38),
     (0.20, 0.56, 0.62, 0.42),
     (0.42, 0.74, 0.69, 0.50),
     (0.65, 0.67, 0.56, 0.44),
-    (0.85, 0.74, 0.70, 0.66),
-    (1.00, 0.96, 0.96, 0.97),
+    (0.85, 0.75, 0.70, 0.65),
+    (1.00, 0.90, 0.88, 0.86),
 )
+# Shore to the deepest water.
+WATER_STOPS: Final[Stops] = ((0.00, 0.47, 0.64, 0.74), (1.00, 0.20, 0.34, 0.52))
 _ROCK: Final = (0.50, 0.46, 0.42)
 
 # of the light on ground that faces the sun: the sun's share, and the sky's from straight above
@@ -67,25 +69,30 @@ def lod_colours(factors: npt.ArrayLike, factor_range: tuple[float, float]) -> Co
 
 
 def hypsometric(
-    heights: npt.NDArray[np.float32],
+    elevations: npt.NDArray[np.float32],
     normals: npt.NDArray[np.float32],
     height_range: tuple[float, float],
 ) -> Colours:
-    """Return the tint of ground: by height, and bare rock where it is steep.
+    """Return the tint of ground: by height, bare rock where it is steep, blue where it is sea.
 
     Parameters
     ----------
-    heights : (N,) float32
+    elevations : (N,) float32
+        Up to 0 is sea, where the range reaches above it.
     normals : (N, 3) float32
         Unit normals, z up.
     height_range : (float, float)
-        Heights of the lowest and the highest tint.
+        Elevations of the lowest and the highest tint.
     """
     low, high = height_range
-    tint = ramp(HEIGHT_STOPS, (heights - low) / max(high - low, 1e-30))
+    shore = 0.0 if low <= 0 < high else low
+    land = ramp(LAND_STOPS, (elevations - shore) / max(high - shore, 1e-30))
     # rock shows from 27 degrees on, and alone from 53
-    rock = np.clip((0.9 - normals[:, 2]) / 0.3, 0.0, 1.0)
-    return mixed(tint, rock, _ROCK)
+    land = mixed(land, np.clip((0.9 - normals[:, 2]) / 0.3, 0.0, 1.0), _ROCK)
+    if not low <= 0 < high:
+        return land
+    sea = ramp(WATER_STOPS, elevations / min(low, -1e-30))
+    return np.where(elevations[:, None] <= 0, sea, land)
 
 
 def sun_direction(azimuth: float, elevation: float) -> npt.NDArray[np.float32]:

@@ -14,6 +14,7 @@ from .files import require_made
 from .graphics import graphics_problem
 from .heightmap import Heightmap
 from .layout import DEFAULT_TILE
+from .lod import CoplanarityLod
 from .render import render
 from .report import report
 from .terrain import Terrain
@@ -88,7 +89,8 @@ def make_demo(
     """
     device = device or Device.open()
     camera = default_camera(ground)
-    mesh = Terrain(ground, tile=tile, plane=plane, device=device).mesh(camera, cull=False)
+    terrain = Terrain(ground, tile=tile, plane=plane, device=device)
+    mesh = terrain.mesh(camera, lod=CoplanarityLod(), cull=False)
     folder = require_made(Path(directory))
     path = mesh.save(folder / f"{ground.name}.glb")
     sound = "cracks in it" if crack_report(mesh) else "watertight"
@@ -107,4 +109,6 @@ def make_demo(
 
 
 def _row(path: Path, what: str) -> tuple[str, str, str]:
-    return str(path), what, f"{path.stat().st_size / 1e6:.2f} MB"
+    count = path.stat().st_size
+    size = f"{count / 1e6:.1f} MB" if count >= 1e5 else f"{count / 1e3:.1f} kB"
+    return str(path), what, size

@@ -37,7 +37,7 @@ _HORIZON: Final = (0.82, 0.87, 0.91)
 _ZENITH: Final = (0.42, 0.60, 0.80)
 _PAPER: Final = (0.97, 0.97, 0.95)
 _INK: Final = (0.10, 0.14, 0.20)
-_LINE_WIDTH: Final = 1.5  # of the enlarged picture's pixels
+_LINE_WIDTH: Final = 1.0  # of the enlarged picture's pixels
 _NIGHT: Final = (0.16, 0.17, 0.19)  # behind LOD colours, so that black patches stand out
 
 
@@ -147,13 +147,12 @@ def _shaded(
     height_range: tuple[float, float] | None,
 ) -> Colours:
     """Return the colour of each vertex: tinted by height, lit, and fading into the distance."""
-    heights = mesh.vertices[:, 2]
+    heights = mesh.vertices[:, 2] + np.float32(mesh.origin[2])
     if height_range is None:
-        low, high = (float(heights.min()), float(heights.max())) if len(heights) else (0.0, 1.0)
-    else:
-        low, high = (finite("height_range", bound) - mesh.origin[2] for bound in height_range)
-        if low > high:
-            raise InputError(f"expected a height_range that rises, got {height_range}")
+        height_range = (float(heights.min()), float(heights.max())) if len(heights) else (0.0, 1.0)
+    low, high = (finite("height_range", bound) for bound in height_range)
+    if low > high:
+        raise InputError(f"expected a height_range that rises, got {height_range}")
     colours = lit(hypsometric(heights, mesh.normals, (low, high)), mesh.normals, sun)
     # at the mesh's own length away, a quarter of what is seen is air
     away = np.linalg.norm(mesh.vertices - np.subtract(camera.eye, mesh.origin), axis=1)

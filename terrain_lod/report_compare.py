@@ -33,6 +33,8 @@ class Trial:
     ----------
     name : str
     lod : Lod
+    parameters : dict of str to float
+        Of the level of detail, those included that it takes from the ground.
     mesh : Mesh
     error : VerticalError
         With its field, over the patches in view.
@@ -42,6 +44,7 @@ class Trial:
 
     name: str
     lod: Lod
+    parameters: dict[str, float]
     mesh: Mesh
     error: VerticalError
     seconds: dict[str, float]
@@ -49,11 +52,6 @@ class Trial:
     @property
     def triangles(self) -> int:
         return len(self.mesh.triangles)
-
-    @property
-    def parameters(self) -> dict[str, float | None]:
-        """Of the level of detail; None where it takes its default from the ground."""
-        return dict(vars(self.lod))
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +114,7 @@ def compare(
         stages = runs[0].timings
         seconds = {stage: median(run.timings[stage] for run in runs) for stage in stages}
         step()
-        return Trial(name, lod, runs[0], error, seconds)
+        return Trial(name, lod, lod.parameters(terrain.scene), runs[0], error, seconds)
 
     by_distance, by_coplanarity = trial("distance", distance), trial("coplanarity", coplanarity)
     lod = with_triangles(terrain, camera, distance, by_coplanarity.triangles, edges=edges)

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from .camera import Camera
 from .colours import LOD_STOPS, hypsometric, lit, sun_direction
 from .files import replacing
+from .grid import TileGrid
 from .heightmap import Heightmap
 from .report_compare import Comparison, Trial
 
@@ -95,11 +96,10 @@ class _Sheet:
         """Thin (R, C, ...) values."""
         return values[np.ix_(self.rows, self.columns)]
 
-    def of_tiles(self, values: Values, tile: int) -> Values:
+    def of_tiles(self, values: Values, grid: TileGrid) -> Values:
         """Spread (TR, TC) values over the samples of each tile."""
-        last_row, last_column = np.subtract(values.shape, 1)
-        rows = np.minimum(self.rows // tile, last_row)
-        columns = np.minimum(self.columns // tile, last_column)
+        rows = np.searchsorted(grid.corner_rows[1:-1], self.rows, side="right")
+        columns = np.searchsorted(grid.corner_columns[1:-1], self.columns, side="right")
         return values[np.ix_(rows, columns)]
 
 
@@ -108,14 +108,14 @@ def _draw_maps(figure: Figure, sheet: _Sheet, comparison: Comparison) -> None:
     axes = figure.subplots(3, 2, sharex=True, sharey=True)
     _draw_ground(axes[0, 0], sheet, comparison.camera)
 
-    deviation = sheet.of_tiles(analysis.deviation, grid.tile)
+    deviation = sheet.of_tiles(analysis.deviation, grid)
     title = f"Deviation from its plane, tiles of {grid.tile} cells"
     _draw(axes[0, 1], sheet, deviation, title, "m", vmin=0)
 
     low, high = factor_range(comparison)
     look = {"cmap": lod_colour_map(), "vmin": low, "vmax": high}
     for ax, trial in zip(axes[1], (comparison.distance, comparison.coplanarity), strict=True):
-        factors = sheet.of_tiles(_inside_factors(trial), grid.tile)
+        factors = sheet.of_tiles(_inside_factors(trial), grid)
         _draw(ax, sheet, factors, _title(trial, "inside factor"), "segments", **look)
 
     # one scale for both; the worst percent is beyond it
@@ -156,8 +156,8 @@ def _draw_ground(ax: Axes, sheet: _Sheet, camera: Camera) -> None:
     normals = np.stack([-east, south, np.ones_like(east)], axis=-1)
     normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
     flat = normals.reshape(-1, 3).astype(np.float32)
-    low, high = (bound - ground.base for bound in ground.height_range)
-    relief = lit(hypsometric(heights.ravel(), flat, (low, high)), flat, sun_direction(315, 45))
+    elevations = heights.ravel() + np.float32(ground.base)
+    relief = lit(hypsometric(elevations, flat, ground.height_range), flat, sun_direction(315, 45))
     holes = ~sheet.of_samples(ground.valid)[..., None]
     ax.imshow(np.where(holes, 0.87, relief.reshape(*heights.shape, 3)), extent=sheet.box)
     ax.set_title("Ground, and what the camera looks at")
@@ -165,12 +165,14 @@ def _draw_ground(ax: Axes, sheet: _Sheet, camera: Camera) -> None:
     for colour, width in (("white", 2.6), ("black", 1.2)):
         ax.plot(*_footprint(sheet, camera), color=colour, linewidth=width)
     eye = np.subtract(camera.eye[:2], ground.origin) / sheet.scale
-    ax.plot(*eye, "o", color="black", markeredgecolor="white", markersize=6)
+    left, right, bottom, top = sheet.box
+    inside = left <= eye[0] <= right and bottom <= eye[1] <= top
+    ax.plot(*eye, "o", color="black", markeredgecolor="white", markersize=6, clip_on=not inside)
     ax.set(xlim=sheet.box[:2], ylim=sheet.box[2:])
 
 
 def _footprint(sheet: _Sheet, camera: Camera) -> Values:
-    """Return the picture's outline on level ground of middle height; (2, 5) in map units.
+    """Return the picture's outline on the level of the lowest ground; (2, 5) in map units.
 
     A corner that looks above the horizon stands for ground three times as far as there is any.
     """
@@ -180,7 +182,7 @@ def _footprint(sheet: _Sheet, camera: Camera) -> Values:
     rays = forward + x * across * right + y * up * upward
     reach = 3 * np.hypot(*ground.extent) / np.linalg.norm(rays[:, :2], axis=1)
     with np.errstate(divide="ignore"):
-        depth = (ground.centre[2] - camera.eye[2]) / rays[:, 2]
+        depth = (ground.height_range[0] - camera.eye[2]) / rays[:, 2]
     depth = np.where(depth > 0, np.minimum(depth, reach), reach)
     points = np.array(camera.eye[:2]) + depth[:, None] * rays[:, :2]
     outline: Values = ((points - ground.origin) / sheet.scale).T

@@ -24,6 +24,7 @@ from .report_html import (
 from .report_maps import factor_range
 from .report_pictures import VISIBLE_DIFFERENCE, Difference
 from .report_tables import Row, rasterised_share
+from .report_verdict import small_share
 
 _TRIALS: Final = ("Distance", "Coplanarity", "Distance, as many triangles")
 
@@ -102,15 +103,22 @@ def _cards(comparison: Comparison, difference: Difference | None) -> Iterator[st
     distance, coplanarity, equal = comparison.trials
     if distance.triangles:
         change = coplanarity.triangles / distance.triangles - 1
-        yield card(f"{change:+.1%}", "triangles: coplanarity LOD against distance LOD")
+        yield card(_change(change), "triangles: coplanarity LOD against distance LOD")
     if comparison.is_equal and equal.error.rms > 0:
         change = coplanarity.error.rms / equal.error.rms - 1
-        yield card(f"{change:+.1%}", "RMS vertical error, with as many triangles")
+        yield card(_change(change), "RMS vertical error, with as many triangles")
     if difference is not None:
-        share = f"{difference.visible_share:.2%}"
-        yield card(share, f"of the pixels differ by more than {VISIBLE_DIFFERENCE:.0%}")
+        share = small_share(difference.visible_share)
+        yield card(
+            share.replace("less than ", "< "),
+            f"of the pixels differ by more than {VISIBLE_DIFFERENCE:.0%}",
+        )
     total = formatted(sum(coplanarity.seconds.values()), "s")
     yield card(f"{total} ms", f"for all stages of {coplanarity.triangles:,} triangles")
+
+
+def _change(share: float) -> str:
+    return f"{share:+.1%}".replace("-", "−")
 
 
 def _seen(comparison: Comparison, pictures: Mapping[str, Path]) -> str:
@@ -124,7 +132,10 @@ def _seen(comparison: Comparison, pictures: Mapping[str, Path]) -> str:
     ]
     shaded = [
         figure(pictures["shaded_distance"], "Distance LOD"),
-        figure(pictures["difference"], "Their difference: black none, white complete (square root scale)"),
+        figure(
+            pictures["difference"],
+            "Their difference: black none, white complete (square root scale)",
+        ),
         figure(pictures["shaded_coplanarity"], "Coplanarity LOD"),
     ]
     return "\n".join(
@@ -171,7 +182,7 @@ def _from_above(comparison: Comparison, maps: Path) -> str:
         "From above",
         figure(
             maps,
-            "The outline on the ground is the picture's, on level ground of middle height. Grey: "
+            "The outline on the ground is the picture's, on the level of the lowest ground. Grey: "
             "nothing drawn. The error maps compare equal triangle counts.",
         ),
     )
@@ -221,8 +232,4 @@ def _settings(comparison: Comparison) -> str:
 
 
 def _parameters(trial: Trial) -> str:
-    values = trial.parameters
-    return ", ".join(
-        f"{name} {value:g}" if value is not None else f"{name} from the ground"
-        for name, value in values.items()
-    )
+    return ", ".join(f"{name} {value:.4g}" for name, value in trial.parameters.items())

@@ -13,11 +13,16 @@ def verdict(comparison: Comparison, difference: Difference | None) -> list[str]:
     sentences = [_at_defaults(comparison), _at_equal_triangles(comparison)]
     if difference is not None:
         sentences.append(
-            f"The two shaded pictures differ by {difference.mean:.2%} on average; "
-            f"{difference.visible_share:.2%} of the pixels differ by more than "
+            f"The two shaded pictures differ by {small_share(difference.mean)} on average; "
+            f"{small_share(difference.visible_share)} of the pixels differ by more than "
             f"{VISIBLE_DIFFERENCE:.0%}, the most by {difference.largest:.0%}."
         )
     return sentences
+
+
+def small_share(share: float) -> str:
+    """Return a share as percent that is 0 only where it is none."""
+    return "less than 0.01%" if 0 < share < 1e-4 else f"{share:.2%}"
 
 
 def _at_defaults(comparison: Comparison) -> str:

@@ -19,10 +19,11 @@ def default_camera(
     x, y, _ = ground.centre
     width, depth = ground.extent
     low, high = ground.height_range
-    reach = float(np.hypot(width, depth))
-    eye = (x - 0.20 * width, y - 0.62 * depth)
-    target = (x + 0.02 * width, y + 0.02 * depth, low + 0.3 * (high - low))
-    height = max(target[2] + 0.22 * reach, _highest_near(ground, eye, 0.25 * reach) + 0.02 * reach)
+    diagonal = float(np.hypot(width, depth))
+    eye = (x - 0.20 * width, y - 0.50 * depth)
+    target = (x + 0.06 * width, y - 0.03 * depth, low + 0.3 * (high - low))
+    nearby = _highest_near(ground, eye, 0.20 * diagonal)
+    height = max(target[2] + 0.16 * diagonal, nearby + 0.02 * diagonal)
     return Camera((*eye, height), target, fov=fov, size=size)
 
 
