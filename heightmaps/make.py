@@ -133,17 +133,22 @@ def table(entries: dict[str, Any]) -> str:
     return "\n".join(lines)
 
 
+def catalogue() -> dict[str, Any]:
+    """Return what grounds.json says, by name."""
+    entries: dict[str, Any] = json.loads((HERE / "grounds.json").read_text(encoding="utf-8"))
+    return entries
+
+
 def main(names: list[str]) -> None:
     """Make the grounds that are named, or all."""
-    catalogue = HERE / "grounds.json"
-    entries = json.loads(catalogue.read_text(encoding="utf-8")) if catalogue.exists() else {}
+    entries = catalogue()
     for name in names or GROUNDS:
         if name not in GROUNDS:
             sys.exit(f"unknown ground {name!r}: expected one of {', '.join(GROUNDS)}")
         print(f"making {name}", flush=True)
         entries[name] = entry(GROUNDS[name])
     entries = {name: entries[name] for name in GROUNDS if name in entries}
-    catalogue.write_text(json.dumps(entries, indent=2) + "\n", encoding="utf-8")
+    (HERE / "grounds.json").write_text(json.dumps(entries, indent=2) + "\n", encoding="utf-8")
     # the table stands between its two markers
     readme = HERE / "README.md"
     before, _, rest = readme.read_text(encoding="utf-8").partition("<!-- table -->\n")
