@@ -90,8 +90,8 @@ __kernel void quad_fill(int partitioning, int clockwise,
     if (factors.kind == DIVIDED) {
         fill_lattice(lattice, u, v, own_points, triangles);
     } else if (factors.kind == WHOLE && group_items().first == 0) {
-        put_triangle(triangles, 0, 0, 1, 3);
-        put_triangle(triangles, 1, 1, 2, 3);
+        put_triangle(triangles, 0, 0, 1, 2);
+        put_triangle(triangles, 1, 0, 2, 3);
     }
 }
 

@@ -176,7 +176,7 @@ def tessellate_patch(
     insides = [fixed_factor(factor, partitioning) for factor in inside_factors]
     if max(*edges, *insides) == ONE:
         if domain == "quad":
-            return PatchPattern([(0, ONE), (0, 0), (ONE, 0), (ONE, ONE)], [(0, 1, 3), (1, 2, 3)])
+            return PatchPattern([(0, ONE), (0, 0), (ONE, 0), (ONE, ONE)], [(0, 1, 2), (0, 2, 3)])
         return PatchPattern([(0, ONE), (0, 0), (ONE, 0)], [(0, 1, 2)])
     # one inside would leave no ring between the edges and the inside
     least = ONE + 1 if partitioning == "fractional_odd" else 2 * ONE
