@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import os
 import threading
+import warnings
 import weakref
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -29,7 +30,7 @@ from .device_info import DeviceInfo, find_device, gibibytes, listing
 from .errors import DeviceError, DeviceMemoryError, InputError
 from .linker import provide_linker
 from .parameters import Parameter
-from .sources import kernel_source
+from .sources import kernel_source, with_true_places
 from .timeline import Timeline
 
 DEVICE_VARIABLE: Final = "TERRAIN_LOD_DEVICE"
@@ -356,9 +357,13 @@ class Device:
             options.append("-cl-fp32-correctly-rounded-divide-sqrt")
         source = kernel_source(file, {"layout.h": layout.header()}, defines)
         try:
-            return cl.Program(self.context, source).build(options)
+            with warnings.catch_warnings():
+                # pyopencl warns of any remark that a compiler makes
+                warnings.simplefilter("ignore", cl.CompilerWarning)
+                return cl.Program(self.context, source).build(options)
         except cl.RuntimeError as error:
-            raise DeviceError(f"kernels/{file} does not build on {self.info}:\n{error}") from None
+            log = with_true_places(str(error), source)
+            raise DeviceError(f"kernels/{file} does not build on {self.info}:\n{log}") from None
 
     # time
 

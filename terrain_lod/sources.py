@@ -17,6 +17,8 @@ from .errors import DeviceError
 
 KERNELS: Final = files(f"{__package__}.kernels")
 
+_LINE: Final = re.compile(r'#line (\d+) "(.*)"')
+_PLACE: Final = re.compile(r"<kernel>:(\d+)")
 _INCLUDE: Final = re.compile(r'\s*#\s*include\s+(?:"([^"]+)"|(\w+))')
 
 
@@ -45,6 +47,23 @@ def kernel_source(
     heading = [f"#define {name} {literal}" for name, literal in literals.items()]
     headers = _Headers(generated or {}, literals)
     return "\n".join(heading + headers.resolve(file, "the engine")) + "\n"
+
+
+def with_true_places(log: str, source: str) -> str:
+    """Return a compiler's log of `source` with files and their lines for ``<kernel>:12``.
+
+    NVIDIA's compiler knows no ``#line``: it counts the lines of the whole text.
+    """
+    return _PLACE.sub(lambda place: _place(source, int(place[1])), log)
+
+
+def _place(source: str, number: int) -> str:
+    file, line = "<defines>", 0
+    for text in source.splitlines()[:number]:
+        directive = _LINE.match(text)
+        line = int(directive[1]) - 1 if directive else line + 1
+        file = directive[2] if directive else file
+    return f"{file}:{line}"
 
 
 def _literal(value: int | float | str) -> str:

@@ -9,7 +9,7 @@ import pytest
 
 from terrain_lod import sources
 from terrain_lod.errors import DeviceError
-from terrain_lod.sources import kernel_source
+from terrain_lod.sources import kernel_source, with_true_places
 
 
 @pytest.fixture
@@ -88,3 +88,14 @@ def test_a_missing_kernel_file_is_named() -> None:
 def test_defines_are_literals_of_their_type(folder: Path, value: float, text: str) -> None:
     (folder / "main.cl").write_text("")
     assert kernel_source("main.cl", None, {"N": value}).startswith(f"#define N {text}\n#line 1")
+
+
+def test_a_log_without_files_gets_them(folder: Path) -> None:
+    (folder / "main.cl").write_text('#include "part.h"\n\nint after;\n')
+    (folder / "part.h").write_text("int part;\nint more;\n")
+    source = kernel_source("main.cl", None, {"N": 1})
+    for place, text in (("part.h:2", "int more;"), ("main.cl:3", "int after;")):
+        number = source.splitlines().index(text) + 1
+        log = f"<kernel>:{number}:5: error: no {text}"
+        assert with_true_places(log, source) == f"{place}:5: error: no {text}"
+    assert with_true_places("<kernel>:1:1", source) == "<defines>:1:1"
