@@ -2,7 +2,8 @@
 
 Include paths given to the compiler break where a path holds a space, and cannot hold a generated
 header. So ``#include "name"`` is replaced here by the file's text, once a file, between ``#line``
-directives that keep the line numbers of build errors true.
+directives that keep the line numbers of build errors true. A file is taken in where it is named
+first, so a header that several files name stands above any ``#if``.
 """
 
 from __future__ import annotations
