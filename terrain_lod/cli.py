@@ -295,6 +295,7 @@ def run(tokens: Sequence[str]) -> int:
         result = app.meta(
             tokens, exit_on_error=False, print_error=False, result_action="return_value"
         )
+        sys.stdout.flush()
     except (TerrainError, CycloptsError) as error:
         complain(" ".join(str(error).split()))
         return REFUSED

@@ -254,7 +254,10 @@ def test_sun_stands_clockwise_from_north():
     ("options", "message"),
     [
         ({"style": "cubist"}, "expected one of shaded, wireframe, lod"),
-        ({"style": "lod", "factor_range": (3.0, 3.0)}, r"factor_range that rises, got \(3.0, 3.0\)"),
+        (
+            {"style": "lod", "factor_range": (3.0, 3.0)},
+            r"factor_range that rises, got \(3.0, 3.0\)",
+        ),
         ({"height_range": (5.0, -5.0)}, r"height_range that rises, got \(5.0, -5.0\)"),
         ({"sun": (float("nan"), 40.0)}, "finite sun azimuth"),
     ],

@@ -17,11 +17,13 @@ from terrain_lod.camera import Camera
 from terrain_lod.device import Device
 from terrain_lod.errors import FileError, InputError
 from terrain_lod.graphics import graphics_problem
+from terrain_lod.grid import TileGrid
 from terrain_lod.heightmap import Heightmap
 from terrain_lod.lod import CoplanarityLod, DistanceLod, UniformLod
 from terrain_lod.mesh import Mesh
 from terrain_lod.report import report
 from terrain_lod.report_compare import EQUAL_SHARE, compare, device_bytes, with_triangles
+from terrain_lod.report_maps import _footprint, _Sheet
 from terrain_lod.report_pictures import differing
 from terrain_lod.report_tables import rasterised_share
 from terrain_lod.report_verdict import verdict
@@ -196,6 +198,28 @@ def test_pictures_have_the_cameras_size(made):
     for path in pictures:
         with Image.open(path) as picture:
             assert picture.size == (160, 90)
+
+
+def test_maps_show_each_tile_where_it_is():
+    ground = hills(rows=60, columns=77)  # 59 and 76 cells: the last tiles are smaller
+    grid = TileGrid.of(ground, 15)
+    numbers = np.arange(grid.count).reshape(grid.shape)
+    image = _Sheet.over(ground).of_tiles(numbers, grid)
+    assert image.shape == ground.shape
+    for row, column in np.ndindex(grid.shape):
+        top, bottom = grid.corner_rows[row : row + 2]
+        left, right = grid.corner_columns[column : column + 2]
+        assert (image[top:bottom, left:right] == numbers[row, column]).all()
+
+
+def test_map_outlines_what_the_picture_shows(ground):
+    camera = Camera((501_000, 3_997_000, 3_000), (501_500, 3_999_000, 0), fov=20, size=(300, 100))
+    outline = _footprint(_Sheet.over(ground), camera)
+    low = np.full(5, ground.height_range[0])
+    pixels, depth = camera.project(np.column_stack([outline.T + ground.origin, low]))
+    assert (depth > 0).all()
+    expected = [(0, 100), (300, 100), (300, 0), (0, 0), (0, 100)]
+    assert pixels == pytest.approx(np.array(expected), abs=1e-3)
 
 
 def test_difference_is_black_where_same_and_white_where_opposite():
