@@ -1,7 +1,9 @@
 // Where a point of a patch lies on the raster, in whole 1/65536 of a cell.
 //
-// The tessellator rounds u to 1/65536, which leaves the points of factor 15 up to 7 of these units
-// off the samples. A point that close to a sample is put onto it, by a rule that knows no patch:
+// The tessellator counts its points from the ends of an edge in steps of 65536 / factor, rounded, so
+// at the middle of n segments u is off by up to n / 2 * 1/2, and in a tile of n cells a point by
+// n^2 / 4 of these units: 7 at factor 15, 496 at 63. A point so close to a sample is put onto it, by
+// a rule that knows no patch:
 //
 //     sample        cell         sample
 //       |<-snap-|            |-snap->|
@@ -11,10 +13,10 @@
 
 #include "common.h"
 
-// the most that rounding u can move a point of any tile
+// the most that rounding can move a point of any tile
 inline int snap_distance(Grid grid)
 {
-    return (grid.tile + 1) / 2;
+    return grid.tile * grid.tile / 4 + 1;
 }
 
 // from the tile's first sample

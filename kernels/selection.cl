@@ -151,13 +151,16 @@ __kernel void tighten(const int patches, const float least_share,
                       __global const float *allowed,        // (P,)
                       __global const float *measured,       // (P,)
                       __global float *share,                // (P,)
-                      __global uint *exceeding)             // (1,) tiles
+                      __global uint *counts)                // (2,) exceeding, and can do better
 {
     const int patch = get_global_id(0);
     if (patch >= patches || !(measured[patch] > allowed[patch]))
         return;
+    atomic_inc(counts);
+    if (share[patch] == 0.0f)
+        return;
+    atomic_inc(counts + 1);
     const float excess = allowed[patch] / measured[patch];
     const float next = share[patch] * fmin(fmax(excess, 0.5f), 0.85f);
     share[patch] = next < least_share ? 0.0f : next;
-    atomic_inc(exceeding);
 }

@@ -67,7 +67,10 @@ inline float triangle_error(const Ground ground, Tile tile, const Triangle *t)
             if (ground.holes[sample])
                 continue;
 #endif
-            const float z = t->z[0] + (weight1 * inverse) * (t->z[1] - t->z[0])
+            // a corner has its own height, to the bit: full resolution has no error at all
+            const float z = weight1 == sign * area ? t->z[1]
+                          : weight2 == sign * area ? t->z[2]
+                          : t->z[0] + (weight1 * inverse) * (t->z[1] - t->z[0])
                                     + (weight2 * inverse) * (t->z[2] - t->z[0]);
             const float difference = z - ground.heights[sample];
             const float size = difference < 0.0f ? -difference : difference;

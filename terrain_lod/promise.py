@@ -95,8 +95,8 @@ class Promise:
             selection.choose()
             pattern = self.tessellate(selection.factors)
             selection.measure(self.ground, pattern)
-            exceeding = selection.tighten()
-            if exceeding == 0:
+            exceeding, refinable = selection.tighten()
+            if refinable == 0:
                 break
         worst = selection.measured.host()
         allowed = selection.allowed.host()

@@ -130,10 +130,16 @@ class Selection:
             changed=self.changed,
         )
 
-    def tighten(self) -> int:
-        """Give tiles that exceed a smaller share, and return how many do."""
+    def tighten(self) -> tuple[int, int]:
+        """Give tiles that exceed a smaller share.
+
+        Returns
+        -------
+        exceeding, refinable : int
+            Tiles that exceed, and those of them that were not meshed in full yet.
+        """
         device = self.allowed.device
-        exceeding = device.zeros(1, np.uint32)
+        counts = device.zeros(2, np.uint32)
         device.kernel("selection.cl", "tighten", **_defines(self.grid, self.edges))(
             (self.grid.count,),
             (_GROUP,),
@@ -142,9 +148,10 @@ class Selection:
             allowed=self.allowed,
             measured=self.measured,
             share=self.share,
-            exceeding=exceeding,
+            counts=counts,
         )
-        return int(exceeding.host()[0])
+        exceeding, refinable = counts.host()
+        return int(exceeding), int(refinable)
 
     def measure(self, ground: DeviceGround, pattern: DevicePattern) -> None:
         """Measure the triangles of the tiles that changed, at every sample."""

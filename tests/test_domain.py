@@ -37,10 +37,11 @@ def test_agrees_with_the_reference(factor: float, tile: int, make) -> None:
     np.testing.assert_allclose(mesh.normals[used], normals[used], rtol=0, atol=2e-6)
 
 
-@pytest.mark.parametrize("size", [2, 16, 17, 20, 31, 46, 50])
-def test_factors_of_a_cell_each_reproduce_the_raster(size: int) -> None:
+@pytest.mark.parametrize("tile", [7, 15, 31, 63])
+@pytest.mark.parametrize("size", [2, 16, 17, 20, 31, 46, 50, 70])
+def test_factors_of_a_cell_each_reproduce_the_raster(size: int, tile: int) -> None:
     ground = rough(size, size + 3, spacing=30.0)
-    mesh = tl.Terrain(ground).mesh(lod=tl.UniformLod(15))
+    mesh = tl.Terrain(ground, tile=tile).mesh(lod=tl.UniformLod(tile))
     column = mesh.vertices[:, 0] / 30
     row = -mesh.vertices[:, 1] / 30
     np.testing.assert_array_equal(column, np.rint(column))

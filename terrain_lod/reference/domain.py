@@ -22,7 +22,7 @@ def global_coordinates(
     def along(corners: Integers, tile: Integers, fraction: npt.NDArray[np.uint32]) -> Integers:
         offset = fraction.astype(np.int64) * (corners[tile + 1] - corners[tile])
         sample = np.rint(offset / FIXED_ONE).astype(np.int64) * FIXED_ONE
-        snapped = np.where(abs(offset - sample) <= (grid.tile + 1) // 2, sample, offset)
+        snapped = np.where(abs(offset - sample) <= grid.tile**2 // 4 + 1, sample, offset)
         return corners[tile] * FIXED_ONE + snapped
 
     columns = along(grid.corner_columns, tile_column, points[:, 0])
