@@ -56,7 +56,7 @@ def tiles_of(factors, *, height=0.0, origin=ORIGIN):
         patches=Patches(
             shape=factors.shape,
             tile=15,
-            edge_factors=np.repeat(inside, 2, axis=1),
+            edge_factors=np.ones((factors.size, 4), np.float32),
             inside_factors=inside,
             point_offsets=offsets * 6,
             triangle_offsets=offsets * 2,
@@ -150,25 +150,21 @@ def test_near_plane_hides_only_what_is_nearer():
 
 @needs_graphics
 def test_far_ground_hides_what_is_behind_it():
-    # 20 km off, a wall of red 60 m in front of a green one: 0.1 m is the nearest allowed
-    red, green = tiles_of([[15.0]]), tiles_of([[8.0]])
-    stand = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]], np.float32)  # turn ground upright
-    front = (red.vertices @ stand) * 50
-    back = (green.vertices @ stand) * 50 + np.float32([0, 60, 0])
-    mesh = replace(
-        red,
-        vertices=np.concatenate([back, front]),
-        normals=np.concatenate([green.normals, red.normals]),
-        triangles=np.arange(12, dtype=np.int32).reshape(-1, 3),
+    # 20 km off, a wall of red 60 m in front of a green one; and something behind the eye, so that
+    # the ground as a whole begins at no distance at all
+    upright = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]], np.float32)
+    wall = 50 * tiles_of([[1.0]]).vertices @ upright
+    walls = [wall, wall + np.float32([0, 60, 0]), wall - np.float32([0, 40_000, 0])]
+    mesh = Mesh(
+        np.concatenate(walls),
+        np.tile(np.float32([0, -1, 0]), (18, 1)),
+        np.arange(18, dtype=np.int32).reshape(-1, 3),
+        np.array(ORIGIN),
         patches=replace(
-            red.patches,
-            shape=(1, 2),
-            edge_factors=np.float32([[8] * 4, [15] * 4]),
-            inside_factors=np.float32([[8] * 2, [15] * 2]),
-            triangle_offsets=np.array([0, 2, 4]),
+            tiles_of([[15.0, 8.0, 1.0]]).patches, triangle_offsets=np.array([0, 2, 4, 6])
         ),
     )
-    middle = mesh.vertices.mean(axis=0) + mesh.origin
+    middle = wall.mean(axis=0) + mesh.origin
     camera = Camera(tuple(middle - [0, 20_000, 0]), tuple(middle), fov=2.0, size=(100, 100))
     picture = render(mesh, camera, style="lod").astype(int)
     assert picture[50, 50, 0] > 2 * picture[50, 50, 1]
