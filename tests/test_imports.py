@@ -31,10 +31,10 @@ ROOMS = {
     # each an arrow of the diagram in terrain.py; they do not know each other
     "stages": ("analysis ladder hull selection tessellator domain holes", "values device"),
     # chains them
-    "terrain": ("terrain", "values device stages"),
+    "terrain": ("terrain promise", "values device stages"),
     # take a mesh to a number, a file or a picture
     "sinks": (
-        "error cracks open_edges export glb ply mesh_loading graphics render",
+        "error screen_error cracks open_edges opposed_edges export glb ply mesh_loading graphics render",
         "values device reference",
     ),
     # many meshes to a page
