@@ -234,6 +234,20 @@ def _vertical_error(device: Device) -> Check:
     return Check(_difference(found, error.error_field(mesh, case.ground)), _METRES, "m")
 
 
+def _bandwidth(device: Device) -> Check:
+    words = np.random.default_rng(6).integers(0, 1000, 4096).astype(np.uint32)
+    group, floats = device.group_size(), device.array(words.astype(np.float32))
+    sums, target = device.zeros(group, np.float32), device.zeros(words.size, np.uint32)
+    read, copy = (
+        device.kernel("bandwidth.cl", name, GROUP=group) for name in ("read_floats", "copy_words")
+    )
+    read((group,), (group,), values=floats, count=words.size, sums=sums)
+    copy((group,), (group,), source=device.array(words), count=words.size, target=target)
+    # sums of whole numbers are exact
+    wrong = _unequal(target.host(), words) + (sums.host().sum() != words.sum())
+    return Check(float(wrong), 0.0, "words")
+
+
 CHECKS: Final[Checks] = {
     "analysis": _analysis,
     "control_points": _control_points,
@@ -243,4 +257,5 @@ CHECKS: Final[Checks] = {
     "domain": _domain,
     "holes": _holes,
     "vertical_error": _vertical_error,
+    "bandwidth": _bandwidth,
 }

@@ -34,13 +34,14 @@ ROOMS = {
     "terrain": ("terrain promise", "values device stages"),
     # take a mesh to a number, a file or a picture
     "sinks": (
-        "error screen_error cracks open_edges opposed_edges export glb ply mesh_loading graphics render",
+        "error screen_error cracks open_edges opposed_edges export glb ply mesh_loading graphics "
+        "render",
         "values device reference",
     ),
-    # many meshes to a page
+    # many meshes to a page, or to a window
     "reports": (
         "report report_compare report_html report_maps report_page report_pictures report_tables "
-        "report_verdict demo",
+        "report_verdict demo viewer_camera viewer_settings",
         "values loading device terrain sinks",
     ),
     # know everything; nothing imports them
