@@ -4,14 +4,14 @@
 //   (scan)   where each patch's output begins: scan.cl
 //   fill     each point and each primitive on its own, in closed form too
 //
-//   tessellator_division.h   where the points along an edge lie
+//   tessellator_factors.h    what factors ask for
+//   tessellator_ruler.h      in which order points appear along an edge
+//   tessellator_division.h   where they lie
 //   tessellator_stitch.h     how two rows of points are joined
 //   tessellator_quad.h       the domains
 //   tessellator_triangle.h
 //   tessellator_isoline.h
-//
-// A work-group a patch fills: one work-item on a CPU; on a GPU a few rows of items, which share out
-// what lies in rows (of a lattice, rings, lines) and go along edges together.
+//   tessellator_items.h      who does what
 //
 // It sees factors alone, no positions. Degenerate triangles are legal and kept.
 #include "tessellator_isoline.h"

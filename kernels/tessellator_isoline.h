@@ -8,6 +8,7 @@
 #define TESSELLATOR_ISOLINE_H
 
 #include "tessellator_division.h"
+#include "tessellator_items.h"
 
 enum { LINES, DETAIL, ISOLINE_FACTORS };
 
@@ -39,12 +40,13 @@ inline void fill_lines(const IsolineFactors factors, int partitioning, int base,
     const Division across = divide(factors.lines, INTEGER);
     const Division along = divide(factors.detail, partitioning);
     const int count = along.segments;
+    const Items items = row_items();
     for (int line = get_local_id(1); line < line_count(factors); line += get_local_size(1)) {
         const int first = line * (count + 1);
         const uint v = place(across, line);
-        for (int k = get_local_id(0); k <= count; k += get_local_size(0))
+        for (int k = items.first; k <= count; k += items.step)
             points[first + k] = (uint2)(place(along, k), v);
-        for (int k = get_local_id(0); k < count; k += get_local_size(0))
+        for (int k = items.first; k < count; k += items.step)
             segments[line * count + k] = (int2)(base + first + k, base + first + k + 1);
     }
 }

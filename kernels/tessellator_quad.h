@@ -1,13 +1,15 @@
 // The quad domain: a boundary, a lattice inside it, and a strip between them along each edge.
 //
-//       v = 0 (edge 1)
-//       2-----3-----4-----5      Points: the boundary, walked clockwise with u to the right and v
-//       |                 |      down, from u = 0, v = 1; then the lattice, row by row.
-//       |  10----11----12 |
-// u = 0 1   | \   |   / | 6      Triangles: the strips along the edges u = 0, v = 0, u = 1, v = 1;
-//  (0)  |  13----14----15 |      then the lattice, row by row, two a cell.
-//       |                 |
-//       0-----9-----8-----7      Factors here: 2, 3, 2, 3 and inside 4 along u, 3 along v.
+//            v = 0 (edge 1)
+//        2------3------4------5    Points: the boundary, walked clockwise with u to the right and
+//        |                    |    v down, from u = 0, v = 1; then the lattice, row by row.
+//        |   10----11----12   |
+//        |    | \  |  / |    |    Triangles: the strips along u = 0, v = 0, u = 1 and v = 1; then
+// u = 0  1   13----14----15   6    the lattice, row by row, two a cell.
+//  (0)   |    | /  |  \ |    |
+//        |   16----17----18   |    Factors here: 2, 3, 2, 3 and inside 4, 4.
+//        |                    |
+//        0------9------8------7
 #ifndef TESSELLATOR_QUAD_H
 #define TESSELLATOR_QUAD_H
 
@@ -62,8 +64,8 @@ inline int quad_triangles(const QuadFactors factors, int partitioning)
                                   : lattice.first + 2 * (across + down) + 2 * across * down;
 }
 
-// Places the points of an edge, the last one left to the next edge.
-inline void fill_boundary(__global uint *points, int edge, const Division division, Items items)
+// Places the points of an edge; the last is the next edge's.
+inline void fill_quad_edge(__global uint *points, int edge, const Division division, Items items)
 {
     for (int k = items.first; k < division.segments; k += items.step) {
         // u = 0 is walked against v, v = 0 with u, u = 1 with v, v = 1 against u
@@ -88,7 +90,7 @@ inline Row lattice_row(const Lattice lattice, int edge, const Division along)
     const int stride = edge % 2 == 0 ? lattice.columns : 1;
     Row row = {lattice_corner(lattice, edge), edge == 1 || edge == 2 ? stride : -stride,
                lattice_corner(lattice, (edge + 1) % QUAD_EDGES),
-               along.segments - 1, ruler_of(along.half_steps), along.odd};
+               along.segments - 1, along.ruler, along.odd};
     return row;
 }
 
@@ -135,6 +137,12 @@ inline void fill_cell_row(const Triangles triangles, int triangle, int corner, i
     fill_cells(indices, triangles.base + corner, right, turn, across, row_items());
 }
 
+inline void place_all(const Division division, __local uint *places, Items items)
+{
+    for (int i = items.first; i <= division.segments; i += items.step)
+        places[i] = place(division, i);
+}
+
 inline void fill_row(__global uint *points, __local const uint *u, uint v, int count, Items items)
 {
     for (int column = items.first; column < count; column += items.step) {
@@ -151,16 +159,15 @@ inline void fill_quad_edges(const QuadFactors factors, const Division *insides,
     int point = 0, triangle = 0;
     for (int edge = 0; edge < QUAD_EDGES; ++edge) {
         const Division division = divide(factors.edges[edge], partitioning);
-        fill_boundary(points + 2 * point, edge, division, group_items());
+        fill_quad_edge(points + 2 * point, edge, division, group_items());
         const int next = point + division.segments;
-        const Row outer = {point, 1, edge == QUAD_EDGES - 1 ? 0 : next,
-                           division.segments + 1, ruler_of(division.half_steps), division.odd};
+        const Row outer = boundary_row(point, edge == QUAD_EDGES - 1 ? 0 : next, division);
         // along u = 0 and u = 1 runs v
         const Row inner = lattice_row(lattice, edge, insides[1 - edge % 2]);
         if (factors.kind == DIVIDED)
             stitch(triangles, triangle, outer, inner, group_items());
         point = next;
-        triangle += strip_triangles(outer.points, inner.points);
+        triangle += strip_triangles(outer, inner);
     }
 }
 

@@ -98,10 +98,10 @@ inline void fill_ring_points(__global uint2 *points, int ring, const Division in
 }
 
 // side of a ring of `steps` a side, in the direction of the walk
-inline Row ring_row(int first, int edge, int steps, const Division inside, int half_steps)
+inline Row ring_row(int first, int edge, int steps, const Ruler ruler, bool odd)
 {
     const int last = edge == TRIANGLE_EDGES - 1 ? first : first + (edge + 1) * steps;
-    Row row = {first + edge * steps, 1, last, steps + 1, ruler_of(half_steps), inside.odd};
+    Row row = {first + edge * steps, 1, last, steps + 1, ruler, odd};
     return row;
 }
 
@@ -110,15 +110,15 @@ inline Row ring_row(int first, int edge, int steps, const Division inside, int h
 inline void stitch_rings(const Triangles triangles, int triangle, int boundary, int ring,
                          const Division inside, Items items)
 {
-    const int half_steps = inside.half_steps - (ring - 1);
+    const Ruler ruler = ruler_of(inside.ruler.steps - (ring - 1));
     const int steps = inside.segments - 2 * ring;
     const int outer_first = boundary + ring_first_point(inside.segments, ring - 1);
     const int inner_first = boundary + ring_first_point(inside.segments, ring);
     for (int edge = 0; edge < TRIANGLE_EDGES; ++edge) {
-        const Row outer = ring_row(outer_first, edge, steps + 2, inside, half_steps);
-        const Row inner = ring_row(inner_first, edge, steps, inside, half_steps);
+        const Row outer = ring_row(outer_first, edge, steps + 2, ruler, inside.odd);
+        const Row inner = ring_row(inner_first, edge, steps, ruler, inside.odd);
         stitch(triangles, triangle, outer, inner, items);
-        triangle += strip_triangles(outer.points, inner.points);
+        triangle += strip_triangles(outer, inner);
     }
 }
 
@@ -135,13 +135,12 @@ inline void fill_triangle_edges(const TriangleFactors factors, const Division in
             const uint along = place(division, edge == 1 ? k : division.segments - k);
             points[point + k] = triangle_point(edge, along, 0);
         }
-        const Row outer = {point, 1, edge == TRIANGLE_EDGES - 1 ? 0 : next,
-                           division.segments + 1, ruler_of(division.half_steps), division.odd};
-        const Row inner = ring_row(boundary, edge, inside.segments - 2, inside, inside.half_steps);
+        const Row outer = boundary_row(point, edge == TRIANGLE_EDGES - 1 ? 0 : next, division);
+        const Row inner = ring_row(boundary, edge, inside.segments - 2, inside.ruler, inside.odd);
         if (factors.kind == DIVIDED)
             stitch(triangles, triangle, outer, inner, group_items());
         point = next;
-        triangle += strip_triangles(outer.points, inner.points);
+        triangle += strip_triangles(outer, inner);
     }
 }
 
