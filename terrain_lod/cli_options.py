@@ -102,6 +102,8 @@ class CameraOptions:
     """Vertical field of view in degrees. Default: 45."""
     size: _Size = None
     """Pixels of the picture. Default: 1920x1080."""
+    height: float | None = None
+    """World height of the picture of a parallel camera, which has no field of view."""
 
     def over(self, ground: Heightmap) -> Camera:
         """Return the camera; what is not given comes from a good view over `ground`."""

@@ -82,18 +82,17 @@ def render(
     GraphicsError
         If this machine cannot draw; the message names the command that mends it.
     InputError
-        If the style is unknown, a range is empty, the picture is larger than drivers allow, or
-        `path` does not end in .png.
+        If the style is unknown, a range falls, the picture is larger than drivers allow, or the
+        name does not end in .png.
     FileError
         If the picture cannot be written.
     """
-    one_of("style", style, STYLES)
-    if max(camera.size) > _LARGEST_WINDOW:
-        raise InputError(f"expected a size of at most {_LARGEST_WINDOW} pixels, got {camera.size}")
     if path is not None:
         require_png(path)
+    if max(camera.size) > _LARGEST_WINDOW:
+        raise InputError(f"expected a size of at most {_LARGEST_WINDOW} pixels, got {camera.size}")
     direction = sun_direction(finite("sun azimuth", sun[0]), finite("sun elevation", sun[1]))
-    if style == "shaded":
+    if one_of("style", style, STYLES) == "shaded":
         colours = _shaded(mesh, camera, direction, height_range)
     elif style == "lod":
         colours = _by_detail(mesh, direction, factor_range)
@@ -198,7 +197,7 @@ def _draw(mesh: Mesh, camera: Camera, colours: npt.NDArray[np.uint8], style: str
     try:
         plotter.disable_anti_aliasing()
         surface = pyvista.PolyData.from_regular_faces(mesh.vertices, mesh.triangles)
-        data = surface.point_data if len(colours) == surface.n_points else surface.cell_data
+        data = surface.cell_data if style == "lod" else surface.point_data
         data["colour"] = colours
         filled = _add(plotter, surface, scalars="colour", rgb=True)
         covered = _point_camera(plotter, mesh, camera, depths)
@@ -235,7 +234,7 @@ def _background(camera: Camera, rows: int, style: str) -> Picture:
     # of a picture that looks down
     _, upward, forward = camera.axes
     offsets = camera.half_extents[1] * (1 - (2 * np.arange(rows) + 1) / rows)
-    rays = forward + offsets[:, None] * upward
+    rays = forward + offsets[:, None] * upward * (camera.height is None)
     rise = np.arcsin(rays[:, 2] / np.linalg.norm(rays, axis=1))
     above = rise - min(0.0, float(np.arcsin(forward[2])))
     blue = np.clip(above / np.radians(45), 0.0, 1.0).astype(np.float32)
@@ -264,14 +263,17 @@ def _point_camera(
     target.focal_point = np.subtract(camera.target, mesh.origin)
     target.up = camera.up
     target.view_angle = camera.fov  # vertical, as ours
+    target.parallel_projection = camera.height is not None
+    target.parallel_scale = camera.half_extents[1]
     target.clipping_range = depths
     target.is_set = True
-    # A depth buffer has few steps far away when the near plane is close. So look once, and move
-    # the near plane out to the nearest thing seen.
     buffer = _depth_buffer(plotter)
-    near, far = depths
-    nearest = near * far / (far - float(buffer.min()) * (far - near))
-    target.clipping_range = (max(near, 0.95 * nearest), far)
+    if camera.height is None:
+        # In perspective a depth buffer has few steps far away when the near plane is close. So
+        # look once, and move the near plane out to the nearest thing seen.
+        near, far = depths
+        nearest = near * far / (far - float(buffer.min()) * (far - near))
+        target.clipping_range = (max(near, 0.95 * nearest), far)
     return buffer < 1.0
 
 

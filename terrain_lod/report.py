@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -70,7 +70,7 @@ def report(
     device: Device | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Report:
-    """Compare naive distance LOD with coplanarity LOD at one camera and write down what came out.
+    """Compare naive distance LOD with coplanarity LOD at one camera, and write it down.
 
     Writes ``report.html`` (self-contained), ``report.json``, ``report.csv``, ``maps.svg`` and,
     where this machine can draw, PNG pictures of both in every style and of their difference. The
@@ -83,12 +83,10 @@ def report(
         Made if it is not there.
     camera : Camera, optional
         Default: an oblique view over the ground.
-    tile : int, optional
-    plane : {"least_squares", "corners"}, optional
+    tile, plane, device : optional
+        As for :class:`Terrain`.
     edges : {"min", "max"}, optional
-    distance : DistanceLod, optional
-    coplanarity : CoplanarityLod, optional
-    device : Device, optional
+    distance, coplanarity : DistanceLod, CoplanarityLod, optional
     progress : callable, optional
         Called with steps done and steps in all.
 
@@ -105,20 +103,12 @@ def report(
     DeviceMemoryError
         If the device cannot hold the ground or a mesh.
     """
-    done = 0
-
-    def step() -> None:
-        nonlocal done
-        done += 1
-        if progress is not None:
-            progress(done, _STEPS)
-
-    camera = camera or default_camera(ground)
+    step = _Steps(progress)
     terrain = Terrain(ground, tile=tile, plane=plane, device=device)
     step()
     comparison = compare(
         terrain,
-        camera,
+        camera or default_camera(ground),
         distance=distance or DistanceLod(),
         coplanarity=coplanarity or CoplanarityLod(),
         edges=edges,
@@ -128,26 +118,48 @@ def report(
     files, difference = save_pictures(comparison, folder, step)
     files["maps"] = save_maps(comparison, folder / "maps.svg")
     step()
-    problem = graphics_problem()
-    rows, sentences = rows_of(comparison), verdict(comparison, difference)
-    texts = {
-        "csv": _csv(comparison, rows),
-        "json": _json(comparison, rows, sentences, difference),
-        "html": page(
-            comparison,
-            rows,
-            sentences,
-            files,
-            difference,
-            version=version("terrain_lod"),
-            no_pictures=problem,
-        ),
-    }
-    for kind, text in texts.items():
-        files[kind] = _written(folder / f"report.{kind}", text)
-    if progress is not None:
-        progress(_STEPS, _STEPS)
-    return Report(comparison, tuple(rows), tuple(sentences), files, problem)
+    made = Report(
+        comparison,
+        tuple(rows_of(comparison)),
+        tuple(verdict(comparison, difference)),
+        files,
+        graphics_problem(),
+    )
+    _write_texts(made, difference, folder)
+    step.finish()
+    return made
+
+
+class _Steps:
+    """Counts steps for those who want to know."""
+
+    def __init__(self, progress: Callable[[int, int], None] | None) -> None:
+        self._progress = progress or (lambda done, total: None)
+        self._done = 0
+
+    def __call__(self) -> None:
+        self._done += 1
+        self._progress(self._done, _STEPS)
+
+    def finish(self) -> None:
+        """Report the end, pictures that could not be drawn included."""
+        self._progress(_STEPS, _STEPS)
+
+
+def _write_texts(made: Report, difference: Difference | None, folder: Path) -> None:
+    """Write the numbers and the page, and add them to the report's files."""
+    text = page(
+        made.comparison,
+        made.rows,
+        made.verdict,
+        made.files,
+        difference,
+        version=version("terrain_lod"),
+        no_pictures=made.no_pictures,
+    )
+    made.files["html"] = _written(folder / "report.html", text)
+    made.files["json"] = _written(folder / "report.json", _json(made, difference))
+    made.files["csv"] = _written(folder / "report.csv", _csv(made))
 
 
 def _written(path: Path, text: str) -> Path:
@@ -156,25 +168,21 @@ def _written(path: Path, text: str) -> Path:
     return path
 
 
-def _csv(comparison: Comparison, rows: Sequence[Row]) -> str:
+def _csv(made: Report) -> str:
     """Return a line a quantity: its key, its unit, a value a trial."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(["quantity", "unit", *(trial.name for trial in comparison.trials)])
-    for row in rows:
+    writer.writerow(["quantity", "unit", *(trial.name for trial in made.comparison.trials)])
+    for row in made.rows:
         values = ["" if value is None else repr(value) for value in row.values]
         writer.writerow([row.key, row.unit, *values])
     return stream.getvalue()
 
 
-def _json(
-    comparison: Comparison,
-    rows: Sequence[Row],
-    sentences: Sequence[str],
-    difference: Difference | None,
-) -> str:
+def _json(made: Report, difference: Difference | None) -> str:
     """Return everything: what was compared, every quantity of every trial, the verdict."""
-    terrain, ground = comparison.terrain, comparison.terrain.ground
+    comparison, terrain = made.comparison, made.comparison.terrain
+    ground = terrain.ground
     low, high = ground.height_range
     content: dict[str, Any] = {
         "format": FORMAT,
@@ -200,13 +208,13 @@ def _json(
                 "parameters": trial.parameters,
                 "worst_sample": trial.error.where,
                 "worst_point": trial.error.point,
-                "quantities": {row.key: row.values[index] for row in rows},
+                "quantities": {row.key: row.values[index] for row in made.rows},
             }
             for index, trial in enumerate(comparison.trials)
         },
-        "units": {row.key: row.unit for row in rows if row.unit},
+        "units": {row.key: row.unit for row in made.rows if row.unit},
         "difference": None if difference is None else asdict(difference),
-        "verdict": list(sentences),
+        "verdict": made.verdict,
     }
     return json.dumps(content, indent=2, allow_nan=False) + "\n"
 

@@ -179,12 +179,15 @@ def _footprint(sheet: _Sheet, camera: Camera) -> Values:
     ground, (right, upward, forward) = sheet.ground, camera.axes
     across, up = camera.half_extents
     x, y = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]]).T[..., None]
-    rays = forward + x * across * right + y * up * upward
-    reach = 3 * np.hypot(*ground.extent) / np.linalg.norm(rays[:, :2], axis=1)
-    with np.errstate(divide="ignore"):
-        depth = (ground.height_range[0] - camera.eye[2]) / rays[:, 2]
+    corners = x * across * right + y * up * upward  # from the middle of the picture
+    parallel = camera.height is not None
+    starts = camera.eye + corners * parallel
+    rays = forward + corners * (not parallel)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        reach = 3 * np.hypot(*ground.extent) / np.linalg.norm(rays[:, :2], axis=1)
+        depth = (ground.height_range[0] - starts[:, 2]) / rays[:, 2]
     depth = np.where(depth > 0, np.minimum(depth, reach), reach)
-    points = np.array(camera.eye[:2]) + depth[:, None] * rays[:, :2]
+    points = starts[:, :2] + depth[:, None] * rays[:, :2]
     outline: Values = ((points - ground.origin) / sheet.scale).T
     return outline
 

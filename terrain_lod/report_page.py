@@ -216,6 +216,7 @@ def _times(comparison: Comparison, rows: Sequence[Row]) -> str:
 def _settings(comparison: Comparison) -> str:
     terrain, camera = comparison.terrain, comparison.camera
     tiles = " × ".join(map(str, terrain.grid.shape))
+    view = f"{camera.fov:g}°" if camera.height is None else f"{camera.height:g} m, parallel,"
 
     def point(values: Sequence[float]) -> str:
         return ", ".join(f"{value:.6g}" if abs(value) < 1e5 else f"{value:.1f}" for value in values)
@@ -225,7 +226,7 @@ def _settings(comparison: Comparison) -> str:
         ("Coordinates", terrain.ground.crs or "not georeferenced"),
         ("Tiles", f"{tiles} tiles of {terrain.grid.tile} cells, {comparison.edges} rule for edges"),
         ("Camera", f"eye {point(camera.eye)}, target {point(camera.target)}"),
-        ("Picture", f"{camera.fov:g}° high, {camera.size[0]} × {camera.size[1]} pixels"),
+        ("Picture", f"{view} high, {camera.size[0]} × {camera.size[1]} pixels"),
     ]
     pairs += [(_TRIALS[index], _parameters(trial)) for index, trial in enumerate(comparison.trials)]
     return section("Settings", definitions(pairs))

@@ -174,6 +174,8 @@ def rasterised_share(comparison: Comparison, trial: Trial) -> float:
     pixels, depth = camera.project(mesh.vertices + mesh.origin)
     a, b, c = (mesh.vertices[mesh.triangles[:, corner]] for corner in range(3))
     towards_eye = np.subtract(camera.eye, mesh.origin) - a
+    if camera.height is not None:  # parallel
+        towards_eye = -camera.axes[2]
     facing = (np.cross(b - a, c - a) * towards_eye).sum(axis=1) > 0
     # outside where all three corners are beyond the same side of the picture or behind the eye
     behind = depth <= camera.near

@@ -100,12 +100,14 @@ def test_lod_colours_stand_where_their_patches_project():
 
 @needs_graphics
 @pytest.mark.parametrize("size", [(200, 160), (160, 200), (64, 64), (301, 77)])
-@pytest.mark.parametrize("fov", [5.0, 60.0, 120.0])
+@pytest.mark.parametrize("fov", [5.0, 60.0, 120.0, "parallel"])
 def test_outline_is_where_the_camera_projects_it(size, fov):
-    distance = 12.0 / np.tan(np.radians(fov) / 2)
+    parallel = fov == "parallel"
+    distance = 12.0 if parallel else 12.0 / np.tan(np.radians(fov) / 2)
     target = tile_centre(0, 0)
     eye = target + distance * np.array([0.3, -0.6, 0.75])
-    camera = Camera(tuple(eye), tuple(target), fov=fov, size=size)
+    view = {"height": 23.0} if parallel else {"fov": fov}
+    camera = Camera(tuple(eye), tuple(target), size=size, **view)
     picture = render(tiles_of([[15.0]]), camera, style="lod")
     red, background = pixel_at(picture, camera, target)[0], int(picture[0, 0, 0])
     assert red > 2 * background

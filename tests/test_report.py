@@ -7,6 +7,7 @@ import json
 import re
 from dataclasses import replace
 from html.parser import HTMLParser
+from importlib import import_module
 from xml.etree import ElementTree
 
 import numpy as np
@@ -174,10 +175,9 @@ def test_page_is_whole_and_holds_everything(made):
 
 
 def test_maps_are_drawn_without_graphics_and_say_so(ground, tmp_path, monkeypatch):
-    for module in ("report", "report_pictures"):
-        monkeypatch.setattr(
-            f"terrain_lod.{module}.graphics_problem", lambda: "expected OpenGL & none"
-        )
+    for name in ("report", "report_pictures"):
+        module = import_module(f"terrain_lod.{name}")
+        monkeypatch.setattr(module, "graphics_problem", lambda: "expected OpenGL & none")
     made = report(ground, tmp_path, camera=small_camera(ground))
     assert made.files.keys() == TEXTS
     assert {path.name for path in tmp_path.iterdir()} == {
@@ -212,8 +212,9 @@ def test_maps_show_each_tile_where_it_is():
         assert (image[top:bottom, left:right] == numbers[row, column]).all()
 
 
-def test_map_outlines_what_the_picture_shows(ground):
-    camera = Camera((501_000, 3_997_000, 3_000), (501_500, 3_999_000, 0), fov=20, size=(300, 100))
+@pytest.mark.parametrize("view", [{"fov": 20.0}, {"height": 400.0}])
+def test_map_outlines_what_the_picture_shows(ground, view):
+    camera = Camera((501_000, 3_997_000, 3_000), (501_500, 3_999_000, 0), size=(300, 100), **view)
     outline = _footprint(_Sheet.over(ground), camera)
     low = np.full(5, ground.height_range[0])
     pixels, depth = camera.project(np.column_stack([outline.T + ground.origin, low]))
@@ -284,9 +285,10 @@ def test_rasterised_share_leaves_out_what_is_not_seen(made):
     normals = np.tile(np.float32([0, 0, 1]), (12, 1))
     vertices = triangles.reshape(-1, 3).astype(np.float32)
     mesh = Mesh(vertices, normals, np.arange(12, dtype=np.int32).reshape(4, 3))
-    camera = Camera((0.2, 0.2, 10.0), (0.3, 0.3, 0.0), size=(100, 100))
-    comparison = replace(made.comparison, camera=camera)
-    assert rasterised_share(comparison, replace(comparison.distance, mesh=mesh)) == 0.25
+    for view in ({"fov": 60.0}, {"height": 11.0}):
+        camera = Camera((0.2, 0.2, 10.0), (0.3, 0.3, 0.0), size=(100, 100), **view)
+        comparison = replace(made.comparison, camera=camera)
+        assert rasterised_share(comparison, replace(comparison.distance, mesh=mesh)) == 0.25
 
 
 @pytest.mark.parametrize("masked", [False, True])
