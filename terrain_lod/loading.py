@@ -123,7 +123,9 @@ def load(
         raise
     except UNREADABLE as error:
         reason = (str(error).splitlines() or [type(error).__name__])[0]
-        raise FileError(f"expected {form.title} in {path}, cannot read it: {reason}") from error
+        raise FileError(
+            f"expected {form.title} in {path}, got a part of one or something else ({reason})"
+        ) from error
     if raster.values.dtype.itemsize == 1:
         warnings.warn(
             f"{path.name} has 8-bit heights: 256 steps, so slopes become stairs; "

@@ -21,8 +21,8 @@ from .readers_image import open_image, raster_of, terrain_rgb
 Affine = tuple[float, float, float, float, float, float]
 
 EXTRA: Final = 'pip install "terrain_lod[geo]"'
-# tags and keys of the standard, and GDAL's tag for nodata
-BITS_PER_SAMPLE, SAMPLE_FORMAT = 258, 339
+# tags and keys of the standard, and GDAL's own tags
+BITS_PER_SAMPLE, SAMPLE_FORMAT, METADATA = 258, 339, 42112
 PIXEL_SCALE, TIE_POINTS, TRANSFORMATION, KEYS, NODATA = 33550, 33922, 34264, 34735, 42113
 MODEL_TYPE, RASTER_TYPE, GEOGRAPHIC_CRS, PROJECTED_CRS = 1024, 1025, 2048, 3072
 GEOGRAPHIC, PIXEL_IS_POINT, USER_DEFINED = 2, 2, 32767
@@ -62,7 +62,7 @@ def _with_rasterio(path: Path) -> Raster:
         # the file's own mask or alpha channel, besides its nodata value
         masked = MaskFlags.per_dataset in file.mask_flag_enums[bands[0] - 1]
         mask = file.read_masks(bands[0]) == 0 if masked else None
-        if len(bands) == 3:
+        if len(bands) == 3 and file.dtypes[bands[0] - 1] == "uint8":
             hole = np.zeros(file.shape, bool) if mask is None else mask
             colours = np.moveaxis(file.read(bands), 0, 2)
             raster = Raster(terrain_rgb(colours, hole, path.name), mask=mask)
@@ -115,8 +115,10 @@ def _with_tags(raster: Raster, tags: dict[int, Any], name: str) -> Raster:
     # Pillow widens some numbers and takes int8 for uint8
     if raster.values.dtype.kind != "f":
         kind = "i" if tags.get(SAMPLE_FORMAT, (1,))[0] == 2 else "u"
-        bits = tags.get(BITS_PER_SAMPLE, (8,))[0]
-        raster = replace(raster, values=raster.values.astype(f"{kind}{bits // 8}"))
+        size = -(-tags.get(BITS_PER_SAMPLE, (8,))[0] // 8)
+        raster = replace(raster, values=raster.values.astype(f"{kind}{size}"))
+    if 'role="scale"' in tags.get(METADATA, "") or 'role="offset"' in tags.get(METADATA, ""):
+        raise MissingExtraError(f"expected plain numbers, got packed ones in {name}: {EXTRA}")
     if NODATA in tags:
         raster = replace(raster, nodata=float(tags[NODATA].strip("\0 ")))
     # entries of four: key, where its value is, count, value

@@ -31,7 +31,7 @@ def sample(name: str) -> Heightmap:
     ``canyon``, 1025 x 1025 samples; ``dunes``, ``volcano``, ``islands`` and ``city``, 513 x 513.
 
     Real, from matplotlib's sample data, in degrees and so made local metres as `load` does it:
-    ``jacksboro``, 344 x 403 samples of the Jacksboro fault in Tennessee (3 arc-seconds, 74.4 m x
+    ``jacksboro``, 344 x 403 samples of the Jacksboro fault in Tennessee (3 arc-seconds, 74.6 m x
     92.5 m); ``topobathy``, 91 x 120 samples of Vancouver Island and the sea around it (2
     arc-minutes of longitude).
 
