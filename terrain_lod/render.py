@@ -33,10 +33,10 @@ STYLES: Final = ("shaded", "wireframe", "lod")
 _OVERSAMPLING: Final = 2
 _LARGEST_WINDOW: Final = 8192  # pixels along one axis, in reach of every driver
 
-_HORIZON: Final = (0.82, 0.87, 0.91)
-_ZENITH: Final = (0.42, 0.60, 0.80)
+HORIZON: Final = (0.82, 0.87, 0.91)
+ZENITH: Final = (0.42, 0.60, 0.80)
 _PAPER: Final = (0.97, 0.97, 0.95)
-_INK: Final = (0.10, 0.14, 0.20)
+INK: Final = (0.10, 0.14, 0.20)
 _LINE_WIDTH: Final = 1.0  # of the enlarged picture's pixels
 _NIGHT: Final = (0.16, 0.17, 0.19)  # behind LOD colours, so that black patches stand out
 
@@ -156,7 +156,7 @@ def _shaded(
     # at the mesh's own length away, a quarter of what is seen is air
     away = np.linalg.norm(mesh.vertices - np.subtract(camera.eye, mesh.origin), axis=1)
     length = float(np.linalg.norm(np.ptp(mesh.vertices[:, :2], axis=0))) if len(heights) else 1.0
-    return mixed(colours, (1 - np.exp(-0.3 * away / length)).astype(np.float32), _HORIZON)
+    return mixed(colours, (1 - np.exp(-0.3 * away / length)).astype(np.float32), HORIZON)
 
 
 def _by_detail(
@@ -206,7 +206,7 @@ def _draw(mesh: Mesh, camera: Camera, colours: npt.NDArray[np.uint8], style: str
             filled.mapper.SetResolveCoincidentTopologyToPolygonOffset()
             filled.mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(1.0, 1.0)
             lines = surface.copy(deep=False)
-            _add(plotter, lines, style="wireframe", color=_INK, line_width=_LINE_WIDTH)
+            _add(plotter, lines, style="wireframe", color=INK, line_width=_LINE_WIDTH)
             plotter.set_background(_PAPER)
             return _averaged(_screenshot(plotter), scale)
         return _averaged(np.where(covered[..., None], _screenshot(plotter), background), scale)
@@ -238,8 +238,8 @@ def _background(camera: Camera, rows: int, style: str) -> Picture:
     rise = np.arcsin(rays[:, 2] / np.linalg.norm(rays, axis=1))
     above = rise - min(0.0, float(np.arcsin(forward[2])))
     blue = np.clip(above / np.radians(45), 0.0, 1.0).astype(np.float32)
-    horizon = np.broadcast_to(np.asarray(_HORIZON, np.float32), (rows, 3))
-    return to_bytes(mixed(horizon, blue, _ZENITH))[:, None]
+    horizon = np.broadcast_to(np.asarray(HORIZON, np.float32), (rows, 3))
+    return to_bytes(mixed(horizon, blue, ZENITH))[:, None]
 
 
 def _depth_range(mesh: Mesh, camera: Camera) -> tuple[float, float] | None:
@@ -275,6 +275,15 @@ def _point_camera(
         nearest = near * far / (far - float(buffer.min()) * (far - near))
         target.clipping_range = (max(near, 0.95 * nearest), far)
     return buffer < 1.0
+
+
+def stand(target: Any, camera: Camera, origin: npt.NDArray[np.float64]) -> None:
+    """Stand VTK's camera `target` where `camera` is, relative to the world point `origin`."""
+    target.position = np.subtract(camera.eye, origin)
+    target.focal_point = np.subtract(camera.target, origin)
+    target.up = camera.up
+    target.view_angle = camera.fov  # vertical, as ours
+    target.is_set = True
 
 
 def _depth_buffer(plotter: pyvista.Plotter) -> npt.NDArray[np.float32]:
