@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from .device import Device, DeviceArray
+from .device import Device, DeviceArray, Kernel
 from .heightmap import Heightmap
 from .mesh import Mesh
 from .reference.error import NEAR, SINGLE
@@ -197,5 +197,5 @@ def _rasterise(triangles: DeviceArray, placed: DeviceArray, heights: DeviceArray
     return errors
 
 
-def _kernel(device: Device, name: str) -> Any:
+def _kernel(device: Device, name: str) -> Kernel:
     return device.kernel("vertical_error.cl", name, NEAR=NEAR, SINGLE=SINGLE, BAND=_BAND)
