@@ -66,7 +66,7 @@ inline Axis lattice_axis(int f, int cells)
 inline int2 falling_cells(int j, int fu, int fv)
 {
     const int middle_u = fu / 2, middle_v = fv / 2;
-    if (j < middle_v || fu * fv == 1)
+    if (j < middle_v)
         return (int2)(0, middle_u);
     return j > middle_v ? (int2)(middle_u, fu) : (int2)(1, 0);
 }

@@ -3,14 +3,16 @@
 >>> import terrain_lod as tl
 >>> ground = tl.sample("ridge")
 >>> camera = tl.default_camera(ground)
->>> mesh = tl.Terrain(ground).mesh(camera, lod=tl.CoplanarityLod())
+>>> mesh = tl.Terrain(ground).mesh(camera, lod=tl.ScreenErrorLod(pixels=1.0))
 >>> mesh.save("ridge.glb")                                      # doctest: +SKIP
 >>> tl.vertical_error(mesh, ground)                             # doctest: +SKIP
 """
 
 from .analysis import TileAnalysis, analyse
 from .camera import Camera
+from .cracks import CrackReport, crack_report
 from .device import Device, devices
+from .error import VerticalError, vertical_error
 from .errors import (
     DeviceError,
     DeviceMemoryError,
@@ -20,14 +22,39 @@ from .errors import (
     TerrainError,
 )
 from .heightmap import Heightmap
-from .lod import CoplanarityLod, DistanceLod, Lod, UniformLod
-from .mesh import Mesh, Patches
+from .loading import load
+from .lod import (
+    BudgetLod,
+    CoplanarityLod,
+    DistanceLod,
+    Lod,
+    MaxErrorLod,
+    PromiseLod,
+    ScreenErrorLod,
+    UniformLod,
+)
+from .mesh import Achieved, Mesh, Patches
+from .mesh_loading import load_mesh
 from .pattern import Pattern
+from .samples import sample, sample_names
+from .screen_error import (
+    Pop,
+    ScreenError,
+    normal_error,
+    pop_metric,
+    screen_error,
+    silhouette_error,
+)
 from .terrain import Terrain
+from .tessellator import tessellate
+from .viewpoint import default_camera
 
 __all__ = [
+    "Achieved",
+    "BudgetLod",
     "Camera",
     "CoplanarityLod",
+    "CrackReport",
     "Device",
     "DeviceError",
     "DeviceMemoryError",
@@ -36,14 +63,32 @@ __all__ = [
     "Heightmap",
     "InputError",
     "Lod",
+    "MaxErrorLod",
     "Mesh",
     "MissingExtraError",
     "Patches",
     "Pattern",
+    "Pop",
+    "PromiseLod",
+    "ScreenError",
+    "ScreenErrorLod",
     "Terrain",
     "TerrainError",
     "TileAnalysis",
     "UniformLod",
+    "VerticalError",
     "analyse",
+    "crack_report",
+    "default_camera",
     "devices",
+    "load",
+    "load_mesh",
+    "normal_error",
+    "pop_metric",
+    "sample",
+    "sample_names",
+    "screen_error",
+    "silhouette_error",
+    "tessellate",
+    "vertical_error",
 ]

@@ -26,7 +26,7 @@ class Scene:
     diagonal : float
         Of the ground's bounding box.
     rough_deviation : float
-        Deviation that 90 % of the tiles stay below.
+        Deviation that 98 % of the tiles stay below.
     """
 
     diagonal: float
@@ -112,7 +112,7 @@ class CoplanarityLod(Lod):
         As for :class:`DistanceLod`.
     full_deviation : float, optional
         Deviation in world units from which on a tile gets what its distance allows; defaults to
-        the deviation that 90 % of the ground's tiles stay below.
+        the deviation that 98 % of the ground's tiles stay below.
     flat_weight : float, optional
         Share of its distance's detail that an exactly flat tile keeps, 0 to 1; between flat and
         full the share grows with the square root of the deviation.
@@ -127,7 +127,7 @@ class CoplanarityLod(Lod):
     minimum: float = 1.0
     maximum: float = 15.0
     full_deviation: float | None = None
-    flat_weight: float = 0.0
+    flat_weight: float = 0.3
     header: ClassVar[str] = "lod_coplanarity.h"
 
     def __post_init__(self) -> None:

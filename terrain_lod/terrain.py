@@ -18,6 +18,7 @@ import numpy.typing as npt
 
 from . import layout
 from .analysis import TileAnalysis, analyse_on_device
+from .arguments import one_of
 from .buffers import DeviceFactors, DeviceGround, DeviceLadder, DeviceVertices
 from .camera import Camera
 from .device import Device
@@ -95,7 +96,7 @@ class Terrain:
         known = self.analysis.deviation[~np.isnan(self.analysis.deviation)]
         return Scene(
             diagonal=float(np.hypot(np.hypot(*self.ground.extent), high - low)),
-            rough_deviation=float(np.percentile(known, 90)),
+            rough_deviation=float(np.percentile(known, 98)),
         )
 
     def mesh(
@@ -137,6 +138,7 @@ class Terrain:
             If the device cannot hold the mesh.
         """
         lod = lod or ScreenErrorLod()
+        one_of("partitioning", partitioning, layout.PARTITIONINGS)
         if camera is None and lod.needs_camera:
             raise InputError(f"{type(lod).__name__} needs a camera, got none")
         cull = cull and camera is not None

@@ -1,0 +1,75 @@
+"""The error ladder: against its float64 reference, and against the triangles that come of it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from grounds import holed, rough
+
+import terrain_lod as tl
+from terrain_lod.ladder import ladder_on_device, lattice_costs, tile_groups
+from terrain_lod.reference import analysis, domain, ladder
+from terrain_lod.tessellator import tessellate
+
+
+def measured(ground: tl.Heightmap, tile: int):
+    terrain = tl.Terrain(ground, tile=tile)
+    return terrain.grid, ladder_on_device(terrain._ground, terrain.grid, terrain._analysis)
+
+
+@pytest.mark.parametrize("tile", [1, 3, 7, 8, 15])
+@pytest.mark.parametrize("make", [rough, holed])
+def test_agrees_with_the_reference(tile: int, make) -> None:
+    ground = make(50, 43)
+    grid, found = measured(ground, tile)
+    tiles, across, down = ladder.ladder(ground, grid, analysis.analyse(ground, tile=tile))
+    # a dozen roundings of heights
+    slack = 12 * np.spacing(np.float32(np.abs(ground.heights).max()))
+    np.testing.assert_allclose(found.tiles.host(), tiles, rtol=0, atol=slack)
+    np.testing.assert_allclose(found.across.host(), across, rtol=0, atol=slack)
+    np.testing.assert_allclose(found.down.host(), down, rtol=0, atol=slack)
+
+
+@pytest.mark.parametrize("tile", [7, 15])
+def test_is_the_error_of_the_triangles_that_come_of_it(tile: int) -> None:
+    # one tile, so that edges match: the mesh is the lattice, diagonals included
+    ground = rough(tile + 1, tile + 1)
+    grid, found = measured(ground, tile)
+    errors = found.tiles.host()[0]
+    for v, u in np.ndindex(errors.shape):
+        fu, fv = 2 * u + 1, 2 * v + 1
+        pattern = tessellate("quad", [[fv, fu, fv, fu]], [[fu, fv]])
+        patch = np.zeros(len(pattern.points), int)
+        positions, normals = domain.displace(ground, grid, pattern.points, patch)
+        origin = np.array([0.0, 0.0, ground.base])
+        mesh = tl.Mesh(positions.astype("f4"), normals.astype("f4"), pattern.triangles, origin)
+        # points are rounded to 1/65536 of the tile, which a steep slope shows
+        assert tl.vertical_error(mesh, ground).maximum == pytest.approx(errors[v, u], abs=0.02)
+
+
+def test_full_resolution_has_no_error_but_rounding() -> None:
+    ground = rough()
+    rounding = np.spacing(np.float32(np.abs(ground.heights).max()))
+    for tile in (7, 15, 31):
+        _, found = measured(ground, tile)
+        assert found.tiles.host()[:, -1, -1].max() <= rounding
+        assert found.across.host()[:, -1].max() <= rounding
+        assert found.down.host()[:, -1].max() <= rounding
+
+
+def test_costs_are_the_triangles_that_the_tessellator_makes() -> None:
+    costs = lattice_costs(8)
+    for v, u in np.ndindex(costs.shape):
+        fu, fv = 2 * u + 1, 2 * v + 1
+        pattern = tessellate("quad", [[fv, fu, fv, fu]], [[fu, fv]])
+        assert len(pattern.triangles) == costs[v, u]
+
+
+def test_groups_hold_every_tile_and_only_tiles_of_one_size() -> None:
+    grid = tl.Terrain(rough(100, 77), tile=7).grid
+    groups = tile_groups(grid, 8)
+    assert set(groups.ravel()) == set(range(grid.count))
+    down, across = np.diff(grid.corner_rows), np.diff(grid.corner_columns)
+    for group in groups:
+        row, column = np.divmod(group, grid.shape[1])
+        assert len(set(zip(down[row], across[column], strict=True))) == 1
