@@ -83,9 +83,10 @@ def looked_up(field: Field, rows: Field, columns: Field) -> Field:
     j = np.minimum(y.astype(int), field.shape[0] - 2)
     i = np.minimum(x.astype(int), field.shape[1] - 2)
     v, u = y - j, x - i
-    upper: Field = field[j, i] * (1 - u) + field[j, i + 1] * u
-    lower: Field = field[j + 1, i] * (1 - u) + field[j + 1, i + 1] * u
-    return upper * (1 - v) + lower * v
+    upper = field[j, i] * (1 - u) + field[j, i + 1] * u
+    lower = field[j + 1, i] * (1 - u) + field[j + 1, i + 1] * u
+    between: Field = upper * (1 - v) + lower * v
+    return between
 
 
 def refined(random: Random, wiggle: float, *fields: Field) -> list[Field]:
