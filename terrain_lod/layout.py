@@ -24,6 +24,13 @@ EDGES: Final = 4  # u = 0, v = 0, u = 1, v = 1
 INSIDES: Final = 2  # along u, along v
 FRUSTUM_PLANES: Final = 6
 
+# curved patches of a mesh: own corners, both corners of the neighbour at each edge, the corners that
+# speak for all at the same position
+PATCH_ADJACENT: Final = 3
+PATCH_DOMINANT: Final = 9
+PATCH_INDICES: Final = 12
+NET_VECTORS: Final = 16  # of a PN-triangle: 10 for positions, 6 for normals
+
 # ways to divide an edge, by their number in kernels
 PARTITIONINGS: Final = ("integer", "pow2", "fractional_odd", "fractional_even")
 
@@ -64,6 +71,10 @@ CONSTANTS: Final = {
     "EDGES": EDGES,
     "INSIDES": INSIDES,
     "FRUSTUM_PLANES": FRUSTUM_PLANES,
+    "PATCH_ADJACENT": PATCH_ADJACENT,
+    "PATCH_DOMINANT": PATCH_DOMINANT,
+    "PATCH_INDICES": PATCH_INDICES,
+    "NET_VECTORS": NET_VECTORS,
     **{name.upper(): number for number, name in enumerate(PARTITIONINGS)},
 }
 STRUCTS: Final = {"Grid": GRID, "View": VIEW}
