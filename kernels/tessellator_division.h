@@ -22,8 +22,8 @@
 
 typedef struct {
     int segments;       // of the fine division; one point more
-    Ruler ruler;         // its steps in each half, without the segment in the middle if there is one
-    bool odd;           // there is one
+    bool odd;           // there is one in the middle, not a point
+    Ruler ruler;        // the steps in each half, without that one
     int newest;         // the point of the first half that the coarse division does not have
     uint fraction;      // weight of the fine division, 0 to FIXED_ONE - 1
     uint coarse_length; // of a segment
