@@ -2,37 +2,21 @@
 //
 //   counts     3 1 4 | 1 5 9 | 2 6          blocks of BLOCK
 //   block_sums     8 |    15 |   8          each block summed by one work-group
-//   scan_sums      0 |     8 |  23 | 31     the sums scanned by one work-group; the last is the total
+//   scan_sums      0 |     8 |  23 | 31     scanned by one work-group; the last is the total
 //   scan_blocks 0 3 4 | 8 9 14 | 23 25 | 31
 //
 // Totals are 64-bit, so that the host learns of an overflow before anything is allocated.
 //
-// After Blelloch, "Prefix sums and their applications", 1990, section 1.2; the scan inside a
-// work-group is Hillis and Steele's.
+// After Blelloch, "Prefix sums and their applications", 1990, section 1.2.
 //
 // Built with: BLOCK counts, GROUP items that share a block.
-#include "layout.h"
+#include "group_scan.h"
 
 #if !defined(BLOCK) || !defined(GROUP)
 #error "scan.cl: define BLOCK, the counts of a block, and GROUP, the work-items that share it"
 #endif
 
 #define RUN (BLOCK / GROUP)
-
-// Returns the sum of the values of all items before this one.
-inline ulong sum_before(ulong value, __local ulong *sums)
-{
-    const int item = get_local_id(0);
-    ulong sum = value;
-    for (int distance = 1; distance < GROUP; distance *= 2) {
-        sums[item] = sum;
-        barrier(CLK_LOCAL_MEM_FENCE);
-        if (item >= distance)
-            sum += sums[item - distance];
-        barrier(CLK_LOCAL_MEM_FENCE);
-    }
-    return sum - value;
-}
 
 // where this item's run of the block begins and ends
 inline uint run_begin(uint count)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
+
+TOPOLOGIES: Final = ("clockwise", "counter_clockwise")  # with u to the right and v down
 
 
 @dataclass(frozen=True, eq=False)

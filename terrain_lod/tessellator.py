@@ -13,17 +13,14 @@ import numpy.typing as npt
 
 from .arguments import one_of
 from .device import Device, DeviceArray
-from .errors import InputError
 from .factors import DOMAINS, checked_factors, counts
 from .layout import PARTITIONINGS
-from .pattern import DevicePattern, Pattern
+from .pattern import TOPOLOGIES, DevicePattern, Pattern
+from .pattern_room import room_for_pattern
 from .scan import exclusive_scan
 
 __all__ = ["TOPOLOGIES", "counts", "tessellate", "tessellate_device"]
 
-TOPOLOGIES: Final = ("clockwise", "counter_clockwise")
-
-_LARGEST_INDEX_COUNT: Final = 2**31
 _ITEMS: Final = (16, 4)  # columns and rows of work-items that fill a patch, on a GPU
 
 
@@ -139,7 +136,9 @@ def tessellate_device(
     # where to
     point_offsets, point_count = exclusive_scan(point_counts)
     primitive_offsets, primitive_count = exclusive_scan(primitive_counts)
-    points, primitives = _room(device, domain, patches, point_count, primitive_count)
+    points, primitives = room_for_pattern(
+        device, patches, point_count, primitive_count, DOMAINS[domain].corners
+    )
     # which
     if DOMAINS[domain].corners == 3:
         factors["clockwise"] = clockwise
@@ -154,22 +153,3 @@ def tessellate_device(
         **factors,
     )
     return DevicePattern(points, primitives, point_offsets, primitive_offsets)
-
-
-def _room(
-    device: Device, domain: str, patches: int, point_count: int, primitive_count: int
-) -> tuple[DeviceArray, DeviceArray]:
-    """Return arrays for points and primitives, or refuse before allocating either."""
-    corners = DOMAINS[domain].corners
-    index_count = corners * primitive_count
-    if index_count > _LARGEST_INDEX_COUNT:
-        raise InputError(
-            f"expected at most {_LARGEST_INDEX_COUNT} indices, got {index_count} from {patches} "
-            "patches: use smaller factors or fewer patches at a time"
-        )
-    what = f"a pattern of {point_count} points and {index_count} indices"
-    device.require(what, 8 * point_count, 4 * index_count)
-    return (
-        device.empty((point_count, 2), "uint32"),
-        device.empty((primitive_count, corners), "int32"),
-    )
