@@ -19,7 +19,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
+import numpy as np
+import numpy.typing as npt
+
 from .device import Device, devices
+
+Array = npt.NDArray[Any]
 
 
 @dataclass(frozen=True)
@@ -40,6 +45,21 @@ class Check:
 
 Checks = Mapping[str, Callable[[Device], Check]]
 """By the stem of the kernel's file."""
+
+
+def largest_difference(found: Array, expected: Array) -> float:
+    """Return the largest difference; infinite where only one of the two is NaN."""
+    found = found.reshape(expected.shape).astype(np.float64)
+    if (np.isnan(found) != np.isnan(expected)).any():
+        return np.inf
+    return float(np.nanmax(np.abs(found - expected), initial=0.0))
+
+
+def unequal_rows(found: Array, expected: Array) -> float:
+    """Return how many rows differ; all where there are more or fewer of them."""
+    if found.shape != expected.shape:
+        return float(max(len(found), len(expected)))
+    return float(np.count_nonzero((found != expected).reshape(len(expected), -1).any(axis=1)))
 
 
 def main(arguments: list[str]) -> None:
