@@ -63,9 +63,7 @@ def split_at_creases(mesh: Mesh, degrees: float) -> Mesh:
     return replace(mesh, vertices=vertices, normals=normals, triangles=split, patches=None)
 
 
-def _smooth_edges(
-    mesh: Mesh, adjacency: Adjacency, least_cosine: float
-) -> npt.NDArray[np.int64]:
+def _smooth_edges(mesh: Mesh, adjacency: Adjacency, least_cosine: float) -> npt.NDArray[np.int64]:
     """Return the two places of edges of two faces that meet at no more than an angle; (S, 2)."""
     uses = np.bincount(adjacency.edges.ravel(), minlength=len(adjacency.sides))
     sides = adjacency.sides[uses == 2].astype(np.int64)

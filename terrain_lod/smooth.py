@@ -118,9 +118,7 @@ def pn_triangles(
     device = device or Device.open()
     view = np.zeros((), layout.VIEW) if camera is None else camera.view(mesh.origin)
     with device.timed() as timeline:
-        patches = DevicePatchMesh.upload(
-            source.vertices, _unit(source.normals), adjacency, device
-        )
+        patches = DevicePatchMesh.upload(source.vertices, _unit(source.normals), adjacency, device)
         nets = nets_on_device(patches)
         edge_factors = _edge_factors(patches, adjacency, factor, lod, _diagonal(mesh), view)
         factors = patch_factors_on_device(
@@ -166,7 +164,7 @@ def _edge_factors(
     view: npt.NDArray[Any],
 ) -> DeviceArray:
     """Return the factor of every edge, by formula or as given; (E,) float32."""
-    if lod is None and (factor is None or np.ndim(factor) == 0):  # type: ignore[arg-type]
+    if lod is None and (factor is None or np.ndim(factor) == 0):
         lod = UniformFactor() if factor is None else UniformFactor(finite("factor", factor))
     if lod is not None:
         return edge_factors_on_device(patches, lod, diagonal, view)

@@ -47,9 +47,10 @@ class Edge:
     def to_eye(self, view: npt.NDArray[Any]) -> Array:
         """Return the unit vector from the middle to the eye."""
         if view["parallel"]:
-            return -view["axes"][2].astype(np.float64)
-        towards: Array = view["eye"] - self.ends.mean(axis=0)
-        return towards / np.linalg.norm(towards)
+            towards: Array = -view["axes"][2].astype(np.float64)
+            return towards
+        towards = view["eye"] - self.ends.mean(axis=0)
+        return np.asarray(towards / np.linalg.norm(towards))
 
 
 def edge_of(triangles: npt.NDArray[np.int32], patches: npt.NDArray[np.int32],

@@ -91,9 +91,7 @@ def normals_at(normals: Array, corners: Array, weights: Array, *, linear: bool =
     if linear:
         blend = (weights[:, :, None] * normals[:, :3]).sum(axis=1)
     else:
-        terms = [
-            _monomial(weights, power) * normals[:, k] for k, power in enumerate(QUADRATIC)
-        ]
+        terms = [_monomial(weights, power) * normals[:, k] for k, power in enumerate(QUADRATIC)]
         blend = np.sum(terms, axis=0)
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     across[~across.any(axis=1)] = 0.0, 0.0, 1.0
