@@ -1,4 +1,4 @@
-"""The command line: ``terrain-lod demo | render | mesh | report | samples | doctor``.
+"""The command line: ``terrain-lod demo | render | mesh | report | samples | doctor | view``.
 
 Exit codes: 0 done, 2 refused with one line on stderr, 130 interrupted.
 """
@@ -28,6 +28,7 @@ from .cli_options import (
     TerrainOptions,
 )
 from .cli_output import PROGRAM, complain, log, progress_bar, say, say_table, set_verbosity, warn
+from .cli_view import view
 from .errors import TerrainError
 from .files import require_folder
 
@@ -260,6 +261,9 @@ def doctor() -> int:
     from .doctor import run_doctor
 
     return run_doctor()
+
+
+app.command(view, sort_key=7)
 
 
 def _counts(mesh: Any) -> str:
