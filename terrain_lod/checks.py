@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from . import checks_terrain, checks_tessellator
+from . import checks_pn, checks_promise, checks_surfaces, checks_terrain, checks_tessellator
 from .checkup import Checks
 
 CHECKS: Final[Checks] = {
@@ -18,8 +18,17 @@ CHECKS: Final[Checks] = {
     "hull": checks_terrain.check_hull,
     "scan": checks_tessellator.check_scan,
     "tessellator": checks_tessellator.check_tessellator,
+    "queues": checks_surfaces.check_queues,
+    "semi_uniform": checks_surfaces.check_semi_uniform,
     "domain": checks_terrain.check_domain,
     "holes": checks_terrain.check_holes,
+    "ladder": checks_promise.check_ladder,
+    "selection": checks_promise.check_selection,
+    "tile_error": checks_promise.check_tile_error,
+    "pn_hull": checks_pn.check_pn_hull,
+    "pn_edges": checks_pn.check_pn_edges,
+    "pn_patches": checks_pn.check_pn_patches,
+    "pn_domain": checks_pn.check_pn_domain,
     "vertical_error": checks_terrain.check_vertical_error,
     "bandwidth": checks_tessellator.check_bandwidth,
 }

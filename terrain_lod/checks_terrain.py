@@ -28,7 +28,7 @@ from .reference import analysis, domain, error, holes, hull
 Array = npt.NDArray[Any]
 
 # two roundings of coordinates of thousands of metres, and of factors up to 63
-_METRES: Final = 1e-3
+METRES: Final = 1e-3
 _SEGMENTS: Final = 1e-4
 # share of the height range: sums of 256 heights, and a normal over the width of a tile
 _FIT: Final = 2e-6
@@ -37,12 +37,12 @@ _LODS: Final[tuple[Lod, ...]] = (UniformLod(5.5), DistanceLod(falloff=2.5), Copl
 _SCENE: Final = Scene(diagonal=7000.0, rough_deviation=20.0)
 
 
-class _Case:
-    """Ground of 200 x 170 heights far from its world's origin, and what the reference finds."""
+class Case:
+    """Ground far from its world's origin, and what the reference finds."""
 
-    def __init__(self, *, holed: bool) -> None:
+    def __init__(self, *, holed: bool, shape: tuple[int, int] = (200, 170)) -> None:
         random = np.random.default_rng(1)
-        heights = random.normal(size=(200, 170)).cumsum(axis=0).cumsum(axis=1)
+        heights = random.normal(size=shape).cumsum(axis=0).cumsum(axis=1)
         if holed:
             heights[random.random(heights.shape) < 0.01] = np.nan
             heights[:17, :17] = np.nan
@@ -67,9 +67,9 @@ class _Case:
 
 
 @cache
-def _cases() -> tuple[_Case, _Case]:
+def cases() -> tuple[Case, Case]:
     """Kernels are built differently for ground with holes, so both are tried."""
-    return _Case(holed=False), _Case(holed=True)
+    return Case(holed=False), Case(holed=True)
 
 
 def _outputs(fits: list[analysis.TileFit]) -> tuple[Array, Array]:
@@ -81,7 +81,7 @@ def _outputs(fits: list[analysis.TileFit]) -> tuple[Array, Array]:
 
 def check_analysis(device: Device) -> Check:
     differences = []
-    for case in _cases():
+    for case in cases():
         # a normal's error tells in the height at the end of a tile
         length = DEFAULT_TILE * max(case.ground.spacing)
         reach = np.array([length, length, length, 1.0])
@@ -92,21 +92,21 @@ def check_analysis(device: Device) -> Check:
                 largest_difference(found.planes.host().reshape(-1, 4) * reach, planes * reach)
             )
             differences.append(largest_difference(found.details.host(), details))
-    return Check(max(differences), _FIT * float(np.ptp(_cases()[0].ground.height_range)), "m")
+    return Check(max(differences), _FIT * float(np.ptp(cases()[0].ground.height_range)), "m")
 
 
 def check_control_points(device: Device) -> Check:
     differences = []
-    for case in _cases():
+    for case in cases():
         found = patches_on_device(case.upload(device), case.grid, fallback=-500.0)
         expected = hull.control_points(case.ground, case.grid, -500.0)
         differences.append(largest_difference(found.control_points.host()[..., :3], expected))
-    return Check(max(differences), _METRES, "m")
+    return Check(max(differences), METRES, "m")
 
 
 def check_hull(device: Device) -> Check:
     differences = []
-    for case in _cases():
+    for case in cases():
         ground, grid = case.ground, case.grid
         x, y, z = ground.centre
         camera = Camera((x - 300, y - 400, z + 500), (x + 500, y + 700, z), far=5e4)
@@ -129,7 +129,7 @@ def check_hull(device: Device) -> Check:
 def check_domain(device: Device) -> Check:
     differences = []
     random, count = np.random.default_rng(3), 40
-    for case in _cases():
+    for case in cases():
         grid = case.grid
         points = random.integers(0, FIXED_ONE + 1, (grid.count * count, 2)).astype(np.uint32)
         offsets = np.arange(0, len(points) + 1, count, dtype=np.uint32)
@@ -144,11 +144,11 @@ def check_domain(device: Device) -> Check:
         known = cells[rows // FIXED_ONE, columns // FIXED_ONE]
         differences.append(largest_difference(found.positions.host()[known], positions[known]))
         differences.append(largest_difference(found.normals.host()[known], normals[known]))
-    return Check(max(differences), _METRES, "m")
+    return Check(max(differences), METRES, "m")
 
 
 def check_holes(device: Device) -> Check:
-    case = _cases()[1]
+    case = cases()[1]
     # 6 x 6 points a tile, two triangles a cell between them
     side, tiles = 6, case.grid.count
     places = np.linspace(0, FIXED_ONE, side).round().astype(np.uint32)
@@ -172,7 +172,7 @@ def check_holes(device: Device) -> Check:
 
 
 def check_vertical_error(device: Device) -> Check:
-    case = _cases()[1]
+    case = cases()[1]
     rows, columns = case.ground.shape
     random = np.random.default_rng(4)
     # triangles of all sizes that cross each other, and the raster's border
@@ -185,4 +185,4 @@ def check_vertical_error(device: Device) -> Check:
     )
     found = vertical_error(mesh, case.ground, field=True, device=device).field
     assert found is not None
-    return Check(largest_difference(found, error.error_field(mesh, case.ground)), _METRES, "m")
+    return Check(largest_difference(found, error.error_field(mesh, case.ground)), METRES, "m")

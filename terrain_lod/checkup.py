@@ -52,7 +52,8 @@ def largest_difference(found: Array, expected: Array) -> float:
     found = found.reshape(expected.shape).astype(np.float64)
     if (np.isnan(found) != np.isnan(expected)).any():
         return np.inf
-    return float(np.nanmax(np.abs(found - expected), initial=0.0))
+    with np.errstate(invalid="ignore"):  # where both are infinite
+        return float(np.nanmax(np.abs(found - expected), initial=0.0))
 
 
 def unequal_rows(found: Array, expected: Array) -> float:

@@ -42,6 +42,58 @@ def cheapest_levels(
     return best
 
 
+def factors(
+    grid: TileGrid,
+    fits: list[TileFit],
+    allowed: Array,
+    ladder: tuple[Array, Array, Array],
+    costs: npt.NDArray[np.int32],
+) -> tuple[Array, Array]:
+    """Return edge factors (P, 4) and inside factors (P, 2), each edge by its own error.
+
+    Parameters
+    ----------
+    grid : TileGrid
+    fits : list of TileFit
+    allowed : (P,)
+        Error that each tile may have; NaN where it is culled.
+    ladder : (P, L, L), ((TR + 1) * TC, L), (TR * (TC + 1), L)
+        As the ladder's reference returns them.
+    costs : (L, L) int32
+    """
+    tiles, across, down = ladder
+    rows, columns = grid.shape
+    across, down = across.reshape(rows + 1, columns, -1), down.reshape(rows, columns + 1, -1)
+    holed = np.array([fit.nodata > 0 for fit in fits])
+    edge, inside = np.zeros((grid.count, 4)), np.zeros((grid.count, 2))
+    for index in np.flatnonzero(~np.isnan(allowed)):
+        row, column = divmod(int(index), columns)
+        cells_down = int(np.diff(grid.corner_rows)[row])
+        cells_across = int(np.diff(grid.corner_columns)[column])
+        level_v, level_u = cheapest_levels(
+            tiles[index], costs, allowed[index], (cells_down, cells_across)
+        )
+        wanted = min(2 * level_u + 1, cells_across), min(2 * level_v + 1, cells_down)
+        for side, (other_row, other_column, errors, cells) in enumerate(
+            (
+                (row, column - 1, down[row, column], cells_down),
+                (row - 1, column, across[row, column], cells_across),
+                (row, column + 1, down[row, column + 1], cells_down),
+                (row + 1, column, across[row + 1, column], cells_across),
+            )
+        ):
+            outside = not (0 <= other_row < rows and 0 <= other_column < columns)
+            other = index if outside else other_row * columns + other_column
+            error = np.fmin(allowed[index], allowed[other])
+            enough = [2 * level + 1 for level in range(len(errors)) if errors[level] <= error]
+            full = holed[index] or holed[other] or error == 0
+            edge[index, side] = cells if full else min([*enough, cells])
+        # a factor of 1 beside a larger one becomes 3
+        single = max(*wanted, *edge[index]) <= 1
+        inside[index] = wanted if single else np.maximum(wanted, 3)
+    return edge, inside
+
+
 def tile_error(
     heights: Array,
     known: npt.NDArray[np.bool_],
