@@ -4,7 +4,7 @@
 // the whole raster, never of anything local to a patch. So two patches that share a point give it
 // the same bits:
 //
-//     global column = first column of the tile * 65536 + u * cells of the tile     (in integers)
+//     global column = first column of the tile * 65536 + u in cells of the tile    (coordinate.h)
 //
 //       tile A, u = 65536         |  split into the cell and a fraction 0 .. 65535:
 //       tile B, u = 0             |  both read (cell 15, fraction 0)
@@ -53,17 +53,16 @@ __kernel void domain(const Grid grid,
                      __global float *normals)               // (N, 3)
 {
     const Ground ground = {grid, heights, holes};
-    const int snap = snap_distance(grid);
     const int run = (patches + get_num_groups(0) - 1) / get_num_groups(0);
     const int first = get_group_id(0) * run;
     for (int patch = first; patch < min(first + run, patches); ++patch) {
         const Tile tile = tile_at(grid, patch);
+        const Ruler across = ruler_of(tile.cells_across), down = ruler_of(tile.cells_down);
         for (uint i = point_offsets[patch] + get_local_id(0); i < point_offsets[patch + 1];
              i += GROUP) {
             const Coordinate column =
-                global_coordinate(tile.column, cell_offset(tile.cells_across, points[i].x, snap));
-            const Coordinate row =
-                global_coordinate(tile.row, cell_offset(tile.cells_down, points[i].y, snap));
+                global_coordinate(tile.column, cell_offset(across, points[i].x));
+            const Coordinate row = global_coordinate(tile.row, cell_offset(down, points[i].y));
             const float3 normal = normal_of(gradient_between(ground, column, row));
             positions[3 * i + 0] = cells_along(column) * grid.dx;
             positions[3 * i + 1] = -cells_along(row) * grid.dy;

@@ -16,14 +16,14 @@ typedef struct {
     int x[3], y[3];
 } Triangle;
 
-inline Triangle triangle_at(Tile tile, int snap, __global const uint2 *points,
+inline Triangle triangle_at(const Ruler across, const Ruler down, __global const uint2 *points,
                             __global const int *corners)
 {
     Triangle triangle;
     for (int i = 0; i < 3; ++i) {
         const uint2 point = points[corners[i]];
-        triangle.x[i] = cell_offset(tile.cells_across, point.x, snap);
-        triangle.y[i] = cell_offset(tile.cells_down, point.y, snap);
+        triangle.x[i] = cell_offset(across, point.x);
+        triangle.y[i] = cell_offset(down, point.y);
     }
     return triangle;
 }
@@ -85,11 +85,12 @@ __kernel void count_kept(const Grid grid,
     if (patch >= tile_count(grid))
         return;
     const Tile tile = tile_at(grid, patch);
+    const Ruler across = ruler_of(tile.cells_across), down = ruler_of(tile.cells_down);
     const bool whole = details[patch].w == 0.0f;
     uint count = 0;
     for (uint i = triangle_offsets[patch]; i < triangle_offsets[patch + 1]; ++i) {
         const bool keep = whole || is_kept(grid, tile, holes,
-            triangle_at(tile, snap_distance(grid), points, triangles + 3 * i));
+            triangle_at(across, down, points, triangles + 3 * i));
         kept[i] = keep;
         count += keep;
     }

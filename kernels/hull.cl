@@ -52,16 +52,24 @@ inline Patch look_at(Grid grid, int patch, int side,
 
 // one segment a cell is all that the raster can show; where a tile has holes it is what keeps
 // triangles off them
-inline float inside_factor(float lod, bool has_holes, int cells)
+inline float limited(float lod, bool has_holes, int cells)
 {
     return has_holes ? cells : fmax(fmin(lod, (float)cells), 1.0f);
+}
+
+// A single cell beside several takes up to three segments inside: of one, the tessellator makes
+// three as well, two of them without a width, and a step that belongs between edge and inside
+// becomes an upright wall.
+inline float inside_factor(float lod, bool has_holes, int cells, int cells_beside)
+{
+    return limited(lod, has_holes, cells == 1 && cells_beside > 1 ? 3 : cells);
 }
 
 inline float edge_factor(const Patch own, float own_lod, const Patch other, float other_lod,
                          int cells)
 {
     const float lod = isnan(other_lod) ? own_lod : EDGE_RULE(own_lod, other_lod);
-    return inside_factor(lod, own.holes > 0.0f || other.holes > 0.0f, cells);
+    return limited(lod, own.holes > 0.0f || other.holes > 0.0f, cells);
 }
 
 __kernel void hull(const Grid grid, const View view, const int cull,
@@ -96,7 +104,7 @@ __kernel void hull(const Grid grid, const View view, const int cull,
         edge_factors[patch * EDGES + edge] = culled ? 0.0f : factor;
     }
     inside_factors[patch * INSIDES + 0] =
-        culled ? 0.0f : inside_factor(lod[OWN], holes, tile.cells_across);
+        culled ? 0.0f : inside_factor(lod[OWN], holes, tile.cells_across, tile.cells_down);
     inside_factors[patch * INSIDES + 1] =
-        culled ? 0.0f : inside_factor(lod[OWN], holes, tile.cells_down);
+        culled ? 0.0f : inside_factor(lod[OWN], holes, tile.cells_down, tile.cells_across);
 }

@@ -1,8 +1,9 @@
 // The hull stage of levels of detail that promise an error: factors from the error ladder.
 //
 //   allow            the error that each tile is allowed: metres, or pixels of a camera
-//   select_inside    the cheapest pair of factors whose measured error is within it
+//   select_inside    the cheapest pair of inside factors whose measured error is within it
 //   select_edges     one factor an edge, from the edge's own ladder and both tiles' needs
+//   settle_inside    no inside factor of 1 where another is more
 //   tighten          after the finished mesh has been measured: tiles that exceed get less
 //
 // Built with: LEVELS of the ladder; EDGE_RULE, EDGES_BY_ERROR, EDGES_MIN or EDGES_MAX.
@@ -68,8 +69,7 @@ __kernel void select_inside(const Grid grid,
                             __global const float *share,        // (P,) of it that the ladder gets
                             __global const float *errors,       // (P, LEVELS, LEVELS)
                             __global const int *costs,          // (LEVELS, LEVELS) triangles
-                            __global float *inside_factors,     // (P, 2)
-                            __global uchar *changed)            // (P,) has any factor?
+                            __global float *wanted)             // (P, 2) inside factors
 {
     const int patch = get_global_id(0);
     if (patch >= tile_count(grid))
@@ -81,11 +81,8 @@ __kernel void select_inside(const Grid grid,
         cheapest_levels(errors + (size_t)patch * LEVELS * LEVELS, costs,
                         allowed[patch] * share[patch], min(full, (int2)(LEVELS - 1)));
     const bool culled = isnan(allowed[patch]);
-    changed[patch] = 0;
-    put_factor(inside_factors + patch * INSIDES + 0,
-               culled ? 0.0f : factor_of(level.x, tile.cells_across), changed + patch);
-    put_factor(inside_factors + patch * INSIDES + 1,
-               culled ? 0.0f : factor_of(level.y, tile.cells_down), changed + patch);
+    wanted[patch * INSIDES + 0] = culled ? 0.0f : factor_of(level.x, tile.cells_across);
+    wanted[patch * INSIDES + 1] = culled ? 0.0f : factor_of(level.y, tile.cells_down);
 }
 
 // the coarsest level of an edge within `error`
@@ -111,14 +108,15 @@ __kernel void select_edges(const Grid grid,
                            __global const float4 *details,          // (P,)
                            __global const float *across_errors,     // ((TR + 1) * TC, LEVELS)
                            __global const float *down_errors,       // (TR * (TC + 1), LEVELS)
-                           __global const float *inside_factors,    // (P, 2)
+                           __global const float *wanted,            // (P, 2) inside factors
                            __global float *edge_factors,            // (P, 4)
-                           __global uchar *changed)                 // (P,)
+                           __global uchar *changed)                 // (P,) has any factor?
 {
     const int patch = get_global_id(0);
     if (patch >= tile_count(grid))
         return;
     const Tile tile = tile_at(grid, patch);
+    changed[patch] = 0;
     for (int edge = 0; edge < EDGES; ++edge) {
         const int other = neighbour(grid, patch, edge + 1);
         const int cells = edge_cells(tile, edge);
@@ -127,9 +125,9 @@ __kernel void select_edges(const Grid grid,
         __global const float *errors =
             (edge % 2 == 0 ? down_errors : across_errors) + edge_index(grid, patch, edge) * LEVELS;
         const int along = edge % 2 == 0;
-        const float own_factor = inside_factors[patch * INSIDES + along];
+        const float own_factor = wanted[patch * INSIDES + along];
         const float other_factor = isnan(allowed[other]) ? own_factor
-                                                         : inside_factors[other * INSIDES + along];
+                                                         : wanted[other * INSIDES + along];
 #if EDGE_RULE == EDGES_BY_ERROR
         float factor = factor_of(edge_level(errors, error, cells), cells);
 #elif EDGE_RULE == EDGES_MIN
@@ -143,6 +141,28 @@ __kernel void select_edges(const Grid grid,
         put_factor(edge_factors + patch * EDGES + edge,
                    isnan(allowed[patch]) ? 0.0f : factor, changed + patch);
     }
+}
+
+// Of an inside factor of 1 beside a larger one the tessellator makes three segments, two of them
+// without a width: a step between edge and inside would become an upright wall. Three segments
+// cost the same.
+__kernel void settle_inside(const int patches,
+                            __global const float *wanted,           // (P, 2)
+                            __global const float *edge_factors,     // (P, 4)
+                            __global float *inside_factors,         // (P, 2)
+                            __global uchar *changed)                // (P,)
+{
+    const int patch = get_global_id(0);
+    if (patch >= patches)
+        return;
+    __global const float *edge = edge_factors + patch * EDGES;
+    const float along_u = wanted[patch * INSIDES], along_v = wanted[patch * INSIDES + 1];
+    const bool is_single = along_u <= 1.0f && along_v <= 1.0f && edge[0] <= 1.0f
+                        && edge[1] <= 1.0f && edge[2] <= 1.0f && edge[3] <= 1.0f;
+    put_factor(inside_factors + patch * INSIDES,
+               is_single ? along_u : fmax(along_u, 3.0f), changed + patch);
+    put_factor(inside_factors + patch * INSIDES + 1,
+               is_single ? along_v : fmax(along_v, 3.0f), changed + patch);
 }
 
 // Where the finished mesh exceeds what is allowed, give the ladder a smaller share of it; in the

@@ -94,19 +94,18 @@ __kernel void tile_error(const Grid grid,
                          __local float *scratch)                    // GROUP
 {
     const Ground ground = {grid, heights, holes};
-    const int snap = snap_distance(grid);
     const int run = (patches + get_num_groups(0) - 1) / get_num_groups(0);
     const int first = get_group_id(0) * run;
     for (int patch = first; patch < min(first + run, patches); ++patch) {
         if (!changed[patch])
             continue;
         const Tile tile = tile_at(grid, patch);
+        const Ruler across = ruler_of(tile.cells_across), down = ruler_of(tile.cells_down);
         for (uint i = point_offsets[patch] + get_local_id(0); i < point_offsets[patch + 1];
              i += GROUP)
             point_heights[i] = height_between(
-                ground,
-                global_coordinate(tile.column, cell_offset(tile.cells_across, points[i].x, snap)),
-                global_coordinate(tile.row, cell_offset(tile.cells_down, points[i].y, snap)));
+                ground, global_coordinate(tile.column, cell_offset(across, points[i].x)),
+                global_coordinate(tile.row, cell_offset(down, points[i].y)));
         barrier(CLK_GLOBAL_MEM_FENCE);
         float error = 0.0f;
         for (uint i = triangle_offsets[patch] + get_local_id(0); i < triangle_offsets[patch + 1];
@@ -114,8 +113,8 @@ __kernel void tile_error(const Grid grid,
             Triangle t;
             for (int corner = 0; corner < 3; ++corner) {
                 const int point = triangles[3 * i + corner];
-                t.x[corner] = cell_offset(tile.cells_across, points[point].x, snap);
-                t.y[corner] = cell_offset(tile.cells_down, points[point].y, snap);
+                t.x[corner] = cell_offset(across, points[point].x);
+                t.y[corner] = cell_offset(down, points[point].y);
                 t.z[corner] = point_heights[point];
             }
             const float found = triangle_error(ground, tile, &t);

@@ -105,6 +105,7 @@ class Selection:
     def choose(self) -> None:
         """Choose the cheapest factors that the ladder and the shares allow."""
         device, defines = self.allowed.device, _defines(self.grid, self.edges)
+        wanted = device.empty((self.grid.count, layout.INSIDES), np.float32)
         device.kernel("selection.cl", "select_inside", **defines)(
             (self.grid.count,),
             (_GROUP,),
@@ -113,8 +114,7 @@ class Selection:
             share=self.share,
             errors=self.ladder.tiles,
             costs=self.ladder.costs,
-            inside_factors=self.factors.inside,
-            changed=self.changed,
+            wanted=wanted,
         )
         device.kernel("selection.cl", "select_edges", **defines)(
             (self.grid.count,),
@@ -125,8 +125,17 @@ class Selection:
             details=self.analysis.details,
             across_errors=self.ladder.across,
             down_errors=self.ladder.down,
-            inside_factors=self.factors.inside,
+            wanted=wanted,
             edge_factors=self.factors.edge,
+            changed=self.changed,
+        )
+        device.kernel("selection.cl", "settle_inside", **defines)(
+            (self.grid.count,),
+            (_GROUP,),
+            patches=self.grid.count,
+            wanted=wanted,
+            edge_factors=self.factors.edge,
+            inside_factors=self.factors.inside,
             changed=self.changed,
         )
 

@@ -42,11 +42,16 @@ def test_agrees_with_the_reference(factor: float, tile: int, make) -> None:
 def test_factors_of_a_cell_each_reproduce_the_raster(size: int, tile: int) -> None:
     ground = rough(size, size + 3, spacing=30.0)
     mesh = tl.Terrain(ground, tile=tile).mesh(lod=tl.UniformLod(tile))
-    column = mesh.vertices[:, 0] / 30
-    row = -mesh.vertices[:, 1] / 30
-    np.testing.assert_array_equal(column, np.rint(column))
-    heights = ground.heights[row.astype(int), column.astype(int)]
-    np.testing.assert_array_equal(mesh.vertices[:, 2], heights)
+    # a single cell beside several has points at its thirds; all others stand on samples
+    thirds = 3 * mesh.vertices[:, :2] / (30, -30)
+    np.testing.assert_allclose(thirds, np.rint(thirds), atol=1e-3)
+    on_sample = (np.rint(thirds) % 3 == 0).all(axis=1)
+    assert on_sample.mean() > 0.5
+    column, row = (np.rint(thirds[on_sample]) / 3).astype(int).T
+    np.testing.assert_array_equal(mesh.vertices[on_sample, 2], ground.heights[row, column])
+    error = tl.vertical_error(mesh, ground)
+    assert error.maximum == 0
+    assert error.uncovered == 0
 
 
 @pytest.mark.parametrize("factor", [1, 4.2, 15])
@@ -120,8 +125,15 @@ def test_no_triangle_reaches_into_a_hole_and_all_other_cells_are_covered(factor:
     assert area.sum() == pytest.approx(cell_valid.sum(), rel=1e-6)
 
 
-def test_snapping_moves_points_by_less_than_their_rounding() -> None:
-    terrain, _, points, patch = meshed(rough(46, 46), 15)
-    columns, rows = domain.global_coordinates(terrain.grid, points, patch)
-    assert (columns % FIXED_ONE == 0).all()
-    assert (rows % FIXED_ONE == 0).all()
+@pytest.mark.parametrize("cells", [1, 2, 3, 4, 7, 8, 15, 16, 31, 62, 63])
+def test_rulers_put_as_many_segments_on_the_samples_and_keep_the_order(cells: int) -> None:
+    u = np.arange(FIXED_ONE + 1, dtype=np.uint32)
+    offsets = domain.cell_offsets(cells, u)
+    assert (np.diff(offsets) >= 0).all()
+    # both directions of an edge agree
+    np.testing.assert_array_equal(offsets + offsets[::-1], cells * FIXED_ONE)
+    # nothing moves by more than the tessellator's own rounding adds up to
+    assert np.abs(offsets - u.astype(int) * cells).max() <= cells**2 // 4 + 1
+    partitioning = "fractional_odd" if cells % 2 else "fractional_even"
+    edges = tl.tessellate("quad", [[cells] * 4], [[cells] * 2], partitioning=partitioning)
+    assert (offsets[edges.points] % FIXED_ONE == 0).all()

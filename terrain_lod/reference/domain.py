@@ -13,17 +13,37 @@ Array = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
 
+def cell_offsets(cells: int, u: npt.NDArray[np.uint32]) -> Integers:
+    """Return where points of an edge of so many cells lie, in 1/65536 of a cell.
+
+    The points of as many segments, which the tessellator counts in rounded steps from both ends,
+    lie on the samples; between them the ruler is linear.
+    """
+    step = (FIXED_ONE + cells // 2) // cells
+    inner = (cells - 1) // 2
+    from_end = np.minimum(u, FIXED_ONE - u.astype(np.int64))
+    mark = np.minimum(from_end // step, inner)
+    middle = FIXED_ONE - 2 * inner * step if cells % 2 else FIXED_ONE // 2 - inner * step
+    # the last digit is a matter of rounding, and float32 is where it is rounded
+    stretch = np.where(mark < inner, np.float32(FIXED_ONE / step), np.float32(FIXED_ONE / middle))
+    fraction = ((from_end - mark * step).astype(np.float32) * stretch + np.float32(0.5)).astype(int)
+    offset = mark * FIXED_ONE + fraction
+    offsets: Integers = np.where(u > FIXED_ONE // 2, cells * FIXED_ONE - offset, offset)
+    return offsets
+
+
 def global_coordinates(
     grid: TileGrid, points: npt.NDArray[np.uint32], patch_of_point: Integers
 ) -> tuple[Integers, Integers]:
-    """Return columns and rows in 1/65536 of a cell; a point near a sample is put onto it."""
+    """Return columns and rows in 1/65536 of a cell."""
     tile_row, tile_column = np.divmod(patch_of_point, grid.shape[1])
 
-    def along(corners: Integers, tile: Integers, fraction: npt.NDArray[np.uint32]) -> Integers:
-        offset = fraction.astype(np.int64) * (corners[tile + 1] - corners[tile])
-        sample = np.rint(offset / FIXED_ONE).astype(np.int64) * FIXED_ONE
-        snapped = np.where(abs(offset - sample) <= grid.tile**2 // 4 + 1, sample, offset)
-        return corners[tile] * FIXED_ONE + snapped
+    def along(corners: Integers, tile: Integers, u: npt.NDArray[np.uint32]) -> Integers:
+        cells = np.diff(corners)[tile]
+        result = corners[tile] * FIXED_ONE
+        for count in np.unique(cells):
+            result[cells == count] += cell_offsets(int(count), u[cells == count])
+        return result
 
     columns = along(grid.corner_columns, tile_column, points[:, 0])
     rows = along(grid.corner_rows, tile_row, points[:, 1])
@@ -59,7 +79,8 @@ def _sobel(ground: Heightmap, axis: int) -> Array:
     weights = np.array([1.0, 2.0, 1.0])[:, None, None] * ~np.isnan(rows)
     total = weights.sum(axis=0)
     rise = (weights * np.nan_to_num(rows)).sum(axis=0) / np.where(total > 0, total, 1)
-    return rise.T if axis == 0 else rise
+    result: Array = rise.T if axis == 0 else rise
+    return result
 
 
 def _between(values: Array, columns: Integers, rows: Integers) -> Array:

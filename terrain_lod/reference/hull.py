@@ -100,7 +100,10 @@ def factors(
         ],
         axis=-1,
     )
-    inside = np.stack([limited(own, holes, cells_across), limited(own, holes, cells_down)], axis=-1)
+    # a single cell beside several takes up to three segments inside
+    across = np.where((cells_across == 1) & (cells_down > 1), 3, cells_across)
+    down = np.where((cells_down == 1) & (cells_across > 1), 3, cells_down)
+    inside = np.stack([limited(own, holes, across), limited(own, holes, down)], axis=-1)
     culled = np.isnan(own)
     if planes is not None:
         culled |= is_culled(grid, fits, planes)
