@@ -90,6 +90,8 @@ class Page:
         self.controls = Controls(window, panel=False)
         self.server: Any = get_server(name="terrain-lod", client_type="vue3")
         self._state = self.server.state
+        self._state.trame__title = "terrain-lod"
+        self._known: dict[str, Any] = {}  # settings as the page has them
         self._view: Any = None
         self._diagonal = window.settings.diagonal
         self._share_settings()
@@ -120,31 +122,40 @@ class Page:
     # settings and read-out, as the page's state
 
     def _share_settings(self) -> None:
+        """Send the settings that the page did not set itself: those would fight with its hand."""
         settings = self.window.settings
         for choice in CHOICES:
-            self._state[choice.name] = getattr(settings, choice.name)
+            self._share(choice.name, getattr(settings, choice.name))
         shown = {slider.name for slider in settings.sliders}
         for slider in sliders(settings.diagonal):
             value = getattr(settings, slider.name)
-            self._state[slider.name] = slider.on_scale(value)
+            self._share(slider.name, slider.on_scale(value))
             self._state[f"{slider.name}_said"] = slider.said(value)
             self._state[f"{slider.name}_shown"] = slider.name in shown
+
+    def _share(self, name: str, value: Any) -> None:
+        if self._known.get(name) != value:
+            self._known[name] = self._state[name] = value
 
     def _share_readout(self) -> None:
         frame = self.window.frame
         self._state.readout = list(self.window.lines())
         self._state.note = self.window.note.split("\n") if self.window.note else []
-        self._state.triangles = 0 if frame is None else len(frame.mesh.triangles)
+        self._state.triangle_count = 0 if frame is None else len(frame.mesh.triangles)
 
     def _taker(self, name: str, slider: Slider | None = None) -> Any:
         """Return what takes a value from the page."""
 
         def take(**state: Any) -> None:
             value = state[name]
+            if value == self._known[name]:
+                return
             if slider is not None:
                 value = slider.of_scale(float(value))
             try:
                 self.window.change(name, value)
+                held = getattr(self.window.settings, name)
+                self._known[name] = held if slider is None else slider.on_scale(held)
             except TerrainError as error:
                 self.window.note = str(error)
                 self.window.redraw()
@@ -163,7 +174,9 @@ class Page:
             layout.footer.hide()
             with layout.toolbar:
                 vuetify3.VSpacer()
-                html.Span("{{ triangles.toLocaleString('en') }} triangles", id="triangles")
+                html.Span(
+                    "{{ triangle_count.toLocaleString('en') }} triangles", id="triangle-count"
+                )
                 for text, key in (("reset", "r"), ("reload", "u"), ("fly", "g")):
                     vuetify3.VBtn(text, id=text, click=lambda key=key: self.controls.press(key))
             with layout.drawer as drawer:
@@ -171,7 +184,7 @@ class Page:
                 self._build_controls()
                 html.Pre("{{ readout.join('\\n') }}", id="readout", style=_PRE)
                 html.Pre("{{ note.join('\\n') }}", id="note", style=_PRE)
-            with layout.content, html.Div(style="width: 100%; height: 100%"):
+            with layout.content, vuetify3.VContainer(fluid=True, classes="pa-0 fill-height"):
                 self._view = PyVistaRemoteView(self.window.plotter, interactive_ratio=1)
 
     def _build_controls(self) -> None:
@@ -211,7 +224,7 @@ _PRE: Final = "font-size: 11px; white-space: pre-wrap; margin: 8px 16px"
 
 def _require_trame() -> None:
     try:
-        import trame.widgets.vuetify3
+        import trame.widgets.vuetify3  # noqa: F401
         import trame_pyvista  # noqa: F401
     except ImportError as error:
         raise MissingExtraError(
