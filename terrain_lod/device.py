@@ -24,6 +24,7 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 import pyopencl as cl
+from pyopencl.tools import ImmediateAllocator, MemoryPool
 
 from . import layout
 from .device_info import DeviceInfo, find_device, gibibytes, listing
@@ -34,6 +35,9 @@ from .sources import kernel_source, with_true_places
 from .timeline import Timeline
 
 DEVICE_VARIABLE: Final = "TERRAIN_LOD_DEVICE"
+
+# larger allocations are given back at once
+_LARGEST_KEPT: Final = 2**28
 PYOPENCL_VARIABLE: Final = "PYOPENCL_CTX"
 POCL: Final = "Portable Computing Language"
 
@@ -125,7 +129,7 @@ class DeviceArray:
         what = f"an array of {self.shape} {self.dtype.name}"
         device.require(what, nbytes)
         with _named(what):
-            self.buffer = cl.Buffer(device.context, cl.mem_flags.READ_WRITE, nbytes)
+            self.buffer = device.allocate(nbytes)
         device.account(nbytes)
         weakref.finalize(self, device.account, -nbytes)
 
@@ -249,6 +253,7 @@ class Device:
             )
         self.lock = threading.RLock()
         self.allocated = 0
+        self._pool = MemoryPool(ImmediateAllocator(self.queue))
         self.has_doubles = "cl_khr_fp64" in handle.extensions.split()
         self._exact_division = bool(
             handle.single_fp_config & cl.device_fp_config.CORRECTLY_ROUNDED_DIVIDE_SQRT
@@ -306,6 +311,20 @@ class Device:
                     f"{what} wants {gibibytes(wanted)} ({wanted} bytes), {self.info.name} has "
                     f"{gibibytes(had)} ({had} bytes) {where}: use a smaller raster or larger device"
                 )
+
+    def allocate(self, nbytes: int) -> cl.MemoryObject:
+        """Return memory, used before where there is some: pages new to a CPU cost most of all.
+
+        What arrays have freed is kept for the next, which the queue's order makes safe, and given
+        back before the device runs short.
+        """
+        with self.lock:
+            if nbytes > _LARGEST_KEPT:
+                self._pool.free_held()
+                return cl.Buffer(self.context, cl.mem_flags.READ_WRITE, nbytes)
+            if self._pool.managed_bytes + nbytes > self.info.memory // 2:
+                self._pool.free_held()
+            return self._pool.allocate(nbytes)
 
     def account(self, nbytes: int) -> None:
         """Count `nbytes` more in use, or fewer; arrays call it as they come and go."""
