@@ -20,6 +20,7 @@ CHECKS: Final[Checks] = {
     "tessellator": checks_tessellator.check_tessellator,
     "queues": checks_surfaces.check_queues,
     "semi_uniform": checks_surfaces.check_semi_uniform,
+    "bezier": checks_surfaces.check_bezier,
     "domain": checks_terrain.check_domain,
     "holes": checks_terrain.check_holes,
     "ladder": checks_promise.check_ladder,

@@ -7,12 +7,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from .checkup import Check, unequal_rows
+from .bezier import bezier
+from .checkup import Check, largest_difference, unequal_rows
 from .device import Device
 from .layout import FIXED_ONE
 from .queues import queues_of
+from .reference import bezier as bezier_reference
 from .reference import semi_uniform as semi_uniform_reference
 from .semi_uniform import semi_uniform
+from .tessellator import tessellate
 
 
 def check_queues(device: Device) -> Check:
@@ -41,3 +44,21 @@ def check_semi_uniform(device: Device) -> Check:
 
 def _sorted(rows: npt.NDArray[Any]) -> npt.NDArray[np.int64]:
     return rows[np.lexsort(rows.T)].astype(np.int64)
+
+
+def check_bezier(device: Device) -> Check:
+    nets = np.random.default_rng(7).normal(size=(6, 4, 4, 3)).astype(np.float32)
+    nets[..., 0] += np.arange(0, 40, 10)[:, None]
+    nets[..., 1] += np.arange(0, 40, 10)
+    nets[0, :, 0] = nets[0, 0, 0]  # an edge in one point
+    found = bezier(nets, factor=6.3, device=device)
+    factors = (np.full((len(nets), width), 6.3) for width in (4, 2))
+    pattern = tessellate("quad", *factors, device=device)
+    patch = np.repeat(np.arange(len(nets)), np.diff(pattern.point_offsets))
+    u, v = pattern.points.T / FIXED_ONE
+    positions, normals = bezier_reference.bezier(nets[patch].astype(np.float64), u, v)
+    differences = (
+        largest_difference(found.vertices, positions),
+        largest_difference(found.normals, normals),
+    )
+    return Check(max(differences), 2e-4, "units")
