@@ -39,9 +39,8 @@ __kernel void allow(const Grid grid, const View view, const int cull,
     float error = metres;
     if (!isinf(pixels))
         error = fmin(error, metres_for_pixels(view, tile_box(grid, tile, minimum, maximum), pixels));
-    // a height is known to half of its last place, here and wherever else it is measured
-    const float rounding = 2.4e-7f * fmax(fabs(minimum), fabs(maximum));
-    error = fmax(error - rounding, 0.0f);
+    // a dozen roundings of differences of heights, here and wherever else it is measured
+    error = fmax(error - 1e-6f * (maximum - minimum), 0.0f);
     const bool culled =
         isnan(minimum) || (cull && is_out_of_view(grid, tile, view, minimum, maximum));
     allowed[patch] = culled ? NAN : error;

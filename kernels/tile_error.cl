@@ -41,18 +41,34 @@ inline long side_of(const Triangle *t, int i, int j, int x, int y)
     return (long)(t->x[j] - t->x[i]) * (y - t->y[i]) - (long)(t->y[j] - t->y[i]) * (x - t->x[i]);
 }
 
+// How far rounding x and y to floats may move the triangle's height: vertices off the samples stand
+// up to 2^-23 of their coordinates off their places.
+inline float rounding_of_places(const Triangle *t, float area, float cells)
+{
+    if (((t->x[0] | t->x[1] | t->x[2] | t->y[0] | t->y[1] | t->y[2]) & (FIXED_ONE - 1)) == 0)
+        return 0.0f;
+    const float x1 = t->x[1] - t->x[0], y1 = t->y[1] - t->y[0], z1 = t->z[1] - t->z[0];
+    const float x2 = t->x[2] - t->x[0], y2 = t->y[2] - t->y[0], z2 = t->z[2] - t->z[0];
+    const float rise = fabs(z1 * y2 - z2 * y1) + fabs(x1 * z2 - x2 * z1);
+    const float tallest = fmax(fmax(fabs(z1), fabs(z2)), fabs(z2 - z1));
+    return fmin(rise / area * (FIXED_ONE * 1.2e-7f * cells), tallest);
+}
+
 inline float triangle_error(const Ground ground, Tile tile, const Triangle *t)
 {
     const long area = side_of(t, 0, 1, t->x[2], t->y[2]);
     if (area == 0)
         return 0.0f;
-    const long sign = area > 0 ? 1 : -1;
-    const float inverse = 1.0f / (float)(sign * area);
+    const long sign = area > 0 ? 1 : -1, size = sign * area;
+    const float inverse = 1.0f / (float)size;
+    const float rise1 = t->z[1] - t->z[0], rise2 = t->z[2] - t->z[0];
     const int bottom = greatest(t->y[0], t->y[1], t->y[2]) >> FIXED_BITS;
     const int left = ceil_cell(least(t->x[0], t->x[1], t->x[2]));
     const int right = greatest(t->x[0], t->x[1], t->x[2]) >> FIXED_BITS;
-    float error = 0.0f;
+    float error = -1.0f;
     for (int row = ceil_cell(least(t->y[0], t->y[1], t->y[2])); row <= bottom; ++row) {
+        __global const float *heights =
+            ground.heights + sample_index(ground.grid, tile.row + row, tile.column);
         const int y = row << FIXED_BITS;
         // weights of corners 1 and 2, and how they change from one sample to the next
         long weight1 = sign * side_of(t, 2, 0, left << FIXED_BITS, y);
@@ -60,24 +76,26 @@ inline float triangle_error(const Ground ground, Tile tile, const Triangle *t)
         const long step1 = -sign * (long)(t->y[0] - t->y[2]) * FIXED_ONE;
         const long step2 = -sign * (long)(t->y[1] - t->y[0]) * FIXED_ONE;
         for (int column = left; column <= right; ++column, weight1 += step1, weight2 += step2) {
-            if (weight1 < 0 || weight2 < 0 || weight1 + weight2 > sign * area)
+            if (weight1 < 0 || weight2 < 0 || weight1 + weight2 > size)
                 continue;
-            const size_t sample = sample_index(ground.grid, tile.row + row, tile.column + column);
 #if MASKED
-            if (ground.holes[sample])
+            if (ground.holes[sample_index(ground.grid, tile.row + row, tile.column + column)])
                 continue;
 #endif
-            // a corner has its own height, to the bit: full resolution has no error at all
-            const float z = weight1 == sign * area ? t->z[1]
-                          : weight2 == sign * area ? t->z[2]
-                          : t->z[0] + (weight1 * inverse) * (t->z[1] - t->z[0])
-                                    + (weight2 * inverse) * (t->z[2] - t->z[0]);
-            const float difference = z - ground.heights[sample];
-            const float size = difference < 0.0f ? -difference : difference;
-            error = size > error ? size : error;
+            // a corner has its own height, to the bit: full resolution has no error at all; else
+            // differences come first, so that heights far from zero cost no digits
+            const float difference = weight1 == size ? t->z[1] - heights[column]
+                                   : weight2 == size ? t->z[2] - heights[column]
+                                   : (t->z[0] - heights[column]) + (weight1 * inverse) * rise1
+                                                                 + (weight2 * inverse) * rise2;
+            const float distance = difference < 0.0f ? -difference : difference;
+            error = distance > error ? distance : error;
         }
     }
-    return error;
+    if (error < 0.0f)
+        return 0.0f;
+    const float cells = max(tile.row + tile.cells_down, tile.column + tile.cells_across);
+    return error + rounding_of_places(t, (float)size, cells);
 }
 
 __kernel void tile_error(const Grid grid,
