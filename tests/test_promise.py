@@ -49,7 +49,8 @@ def test_metres(name: str, tile: int) -> None:
         found = tl.vertical_error(mesh, ground)
         assert found.maximum <= metres
         assert mesh.achieved.kept
-        assert mesh.achieved.metres == pytest.approx(found.maximum, rel=1e-3, abs=1e-3)
+        # what the mesh states is a bound, a little above what is there
+        assert found.maximum <= mesh.achieved.metres <= 1.01 * found.maximum + 0.01
         assert not tl.crack_report(mesh)
         counts.append(len(mesh.triangles))
     assert counts == sorted(counts, reverse=True)
@@ -87,7 +88,7 @@ def test_every_partitioning_keeps_the_promise() -> None:
         found = tl.vertical_error(mesh, ground).maximum
         # where full resolution is out of reach, the mesh says what it came to
         assert found <= 5.0 or not mesh.achieved.kept
-        assert mesh.achieved.metres == pytest.approx(found, rel=1e-3)
+        assert found <= mesh.achieved.metres <= 1.01 * found + 0.01
 
 
 def test_inside_factors_differ_where_the_ground_does() -> None:
