@@ -80,8 +80,8 @@ class _Case:
         self.control_normals = pn.control_normals(self.adjacency.patches, *wide)
         # from above, and from below, where patches are turned away
         self.view, self.view_below = (
-            Camera((-1.0, -3.0, height), (0, 0, 0), fov=50, size=(320, 200)).view((0, 0, 0))
-            for height in (0.8, -2.0)
+            Camera(eye, (0, 0, 0), fov=50, size=(320, 200)).view((0, 0, 0))
+            for eye in ((-1.0, -3.0, 0.8), (-0.3, -0.3, -5.0))
         )
 
     def upload(self, device: Device) -> DevicePatchMesh:

@@ -28,6 +28,7 @@ from .cli_options import (
     TerrainOptions,
 )
 from .cli_output import PROGRAM, complain, log, progress_bar, say, say_table, set_verbosity, warn
+from .cli_smooth import smooth
 from .cli_view import view
 from .errors import TerrainError
 from .files import require_folder
@@ -264,6 +265,7 @@ def doctor() -> int:
 
 
 app.command(view, sort_key=7)
+app.command(smooth, sort_key=8)
 
 
 def _counts(mesh: Any) -> str:

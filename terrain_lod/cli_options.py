@@ -107,7 +107,12 @@ class CameraOptions:
 
     def over(self, ground: Heightmap) -> Camera:
         """Return the camera; what is not given comes from a good view over `ground`."""
-        camera = default_camera(ground) if self.camera is None else _camera_file(self.camera)
+        return self.instead_of(default_camera(ground))
+
+    def instead_of(self, camera: Camera) -> Camera:
+        """Return the camera; what is not given comes from `camera`."""
+        if self.camera is not None:
+            camera = _camera_file(self.camera)
         given = {name: value for name, value in vars(self).items() if value is not None}
         given.pop("camera", None)
         return replace(camera, **given)

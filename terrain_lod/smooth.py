@@ -105,6 +105,7 @@ def pn_triangles(
     """
     _require_curvable(mesh)
     one_of("normals", normals, NORMALS)
+    one_of("partitioning", partitioning, layout.PARTITIONINGS)
     if lod is not None and factor is not None:
         raise InputError(f"expected a factor or a lod, got both {factor!r} and {lod}")
     if lod is not None and lod.needs_camera and camera is None:

@@ -1,0 +1,257 @@
+"""Curved meshes: closed for every formula, sharp where asked, and nothing culled that is seen."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from curved_meshes import CLOSED, bulging, cone, cube, torus, welded
+
+import terrain_lod as tl
+from terrain_lod.cracks import crack_report
+from terrain_lod.creases import split_at_creases
+from terrain_lod.graphics import graphics_problem
+from terrain_lod.patch_factors import (
+    CurvatureFactor,
+    DistanceFactor,
+    LengthFactor,
+    OrientationFactor,
+    SilhouetteFactor,
+    UniformFactor,
+)
+from terrain_lod.render import render
+from terrain_lod.smooth import pn_triangles
+
+needs_graphics = pytest.mark.skipif(
+    graphics_problem() is not None, reason=f"no 3-D pictures tested: {graphics_problem()}"
+)
+
+FORMULAS = [
+    UniformFactor(4.3),
+    DistanceFactor(near=2.0, far=9.0),
+    LengthFactor(pixels=12.0),
+    OrientationFactor(maximum=9),
+    SilhouetteFactor(maximum=9),
+    CurvatureFactor(pixels=0.2),
+]
+
+
+def cameras(count: int, seed: int = 1, distance: float = 7.0, size=(240, 180)):
+    """Return cameras all around the middle of a mesh."""
+    rng = np.random.default_rng(seed)
+    for _ in range(count):
+        eye = rng.normal(size=3)
+        eye *= distance * rng.uniform(0.7, 1.5) / np.linalg.norm(eye)
+        yield tl.Camera(tuple(eye), tuple(rng.normal(size=3) * 0.2), up=(0.1, 0.2, 1), size=size)
+
+
+@pytest.mark.parametrize("formula", FORMULAS, ids=lambda formula: formula.header)
+@pytest.mark.parametrize("make", CLOSED.values(), ids=CLOSED)
+def test_a_closed_mesh_stays_closed(make, formula) -> None:
+    mesh = make()
+    assert not crack_report(mesh, closed=True)
+    for camera in cameras(2):
+        smooth = pn_triangles(mesh, lod=formula, camera=camera, cull=False)
+        assert not crack_report(smooth, closed=True)
+
+
+@pytest.mark.parametrize("partitioning", ["fractional_odd", "fractional_even", "integer", "pow2"])
+def test_every_partitioning_and_factors_of_ones_own(partitioning: str) -> None:
+    mesh = bulging(cube())
+    factors = np.random.default_rng(3).uniform(1, 12, mesh.triangles.shape)
+    smooth = pn_triangles(mesh, factors, partitioning=partitioning)
+    assert not crack_report(smooth, closed=True)
+    assert len(smooth.triangles) > 12 * 12
+
+
+@pytest.mark.parametrize("name", ["cone", "bulging cube", "bulging chamfered cube"])
+def test_plain_patches_part_at_split_normals_and_adjacent_edges_close_them(name: str) -> None:
+    mesh = CLOSED[name]()
+    before = crack_report(pn_triangles(mesh, 5, sharp=False), closed=True)
+    assert before.cracks > 100
+    assert before.largest_gap > 0.01
+    assert not crack_report(pn_triangles(mesh, 5), closed=True)
+
+
+def test_a_cube_with_three_normals_a_corner_stays_a_cube() -> None:
+    smooth = pn_triangles(cube(), 7)
+    on_a_face = np.isin(smooth.vertices, [0, 1]).any(axis=1)
+    assert on_a_face.all()
+    # and its normals are those of its faces: sharp
+    assert (np.sort(abs(smooth.normals), axis=1) == [0, 0, 1]).all()
+
+
+def test_a_smooth_cube_is_made_round_and_a_crease_angle_keeps_it_sharp() -> None:
+    mesh = welded(cube())
+    round_ = pn_triangles(mesh, 7)
+    assert np.isin(round_.vertices, [0, 1]).any(axis=1).mean() < 0.5
+    sharp = pn_triangles(mesh, 7, sharp=45)
+    assert np.isin(sharp.vertices, [0, 1]).any(axis=1).all()
+    assert not crack_report(round_, closed=True)
+    assert not crack_report(sharp, closed=True)
+
+
+def test_creases_split_vertices_into_their_smooth_parts() -> None:
+    # a cube's corners are of three faces; across 89 degrees none is joined, across 91 all are
+    mesh = welded(cube())
+    assert len(split_at_creases(mesh, 89).vertices) == 24
+    assert len(split_at_creases(mesh, 91).vertices) == 8
+    # the side of a cone is smooth, its rim is not: rim twice, middle of the base, apex
+    split = split_at_creases(welded(cone(12)), 60)
+    assert len(split.vertices) == 12 + 12 + 1 + 1
+    with pytest.raises(tl.InputError, match="0 to 180"):
+        split_at_creases(mesh, 200)
+
+
+def test_wound_like_the_mesh_and_normals_of_the_surface() -> None:
+    mesh = torus(48, 24)
+    smooth = pn_triangles(mesh, 3)
+    a, b, c = (smooth.vertices[smooth.triangles[:, k]] for k in range(3))
+    across = np.cross(b - a, c - a)
+    across /= np.linalg.norm(across, axis=1, keepdims=True)
+    mean = smooth.normals[smooth.triangles].mean(axis=1)
+    assert np.einsum("ij,ij->i", across, mean).min() > 0.9
+
+
+def test_quadratic_normals_follow_an_s_and_linear_ones_do_not() -> None:
+    # both ends lean the same way, so that the surface must lean the other way in between
+    lean = np.array([-0.6, 0, 0.8])
+    mesh = tl.Mesh(
+        np.float32([[0, 0, 0], [1, 0, 0], [0, 1, 0]]),
+        np.tile(lean, (3, 1)).astype(np.float32),
+        np.int32([[0, 1, 2]]),
+    )
+    middle = {}
+    for kind in ("quadratic", "linear"):
+        smooth = pn_triangles(mesh, 2, normals=kind, partitioning="integer")
+        vertex = np.argmin(np.linalg.norm(smooth.vertices[:, :2] - [0.5, 0], axis=1))
+        middle[kind] = smooth.normals[vertex]
+    np.testing.assert_allclose(middle["linear"], lean, atol=1e-6)
+    assert middle["quadratic"][0] > middle["linear"][0] + 0.1
+
+
+def test_the_origin_goes_along() -> None:
+    mesh = torus()
+    far = tl.Mesh(mesh.vertices, mesh.normals, mesh.triangles, np.array([5e5, 4e6, 9.0]), "EPSG:1")
+    smooth = pn_triangles(far, 3)
+    np.testing.assert_array_equal(smooth.origin, far.origin)
+    assert smooth.crs == "EPSG:1"
+    # and cameras are in the world
+    camera = tl.Camera((5e5 + 9, 4e6, 9), tuple(far.origin))
+    near = tl.Camera((9, 0, 0), (0, 0, 0))
+    lod = DistanceFactor(near=3, far=12)
+    found, expected = (
+        pn_triangles(one, lod=lod, camera=view) for one, view in ((far, camera), (mesh, near))
+    )
+    assert len(found.triangles) == len(expected.triangles)
+
+
+# culling
+
+
+def test_nothing_in_view_is_culled_and_what_is_behind_is() -> None:
+    mesh = torus()
+    for camera in cameras(8, distance=3.5):
+        kept = {row.tobytes() for row in pn_triangles(mesh, 3, camera=camera).vertices}
+        everything = pn_triangles(mesh, 3).vertices
+        pixels, depth = camera.project(everything)
+        seen = (depth >= camera.near) & (pixels >= 0).all(axis=1)
+        seen &= (pixels <= camera.size).all(axis=1)
+        assert all(row.tobytes() in kept for row in everything[seen])
+    away = tl.Camera((0, 20, 0), (0, 21, 0))
+    assert not len(pn_triangles(mesh, 3, camera=away).triangles)
+
+
+def only(mesh: tl.Mesh, part: tl.Mesh) -> tl.Mesh:
+    """Return those triangles of a mesh that a part of it has, with all of the mesh's vertices.
+
+    Haze, tints and clipping planes go by the vertices, so pictures of the two can be compared.
+    """
+    corners, wanted = (
+        np.ascontiguousarray(one.vertices[one.triangles].reshape(-1, 9)).view("V36").ravel()
+        for one in (mesh, part)
+    )
+    kept = np.isin(corners, wanted)
+    assert kept.sum() == len(part.triangles)
+    return replace(mesh, triangles=mesh.triangles[kept])
+
+
+@needs_graphics
+@pytest.mark.parametrize("name", ["torus", "cone", "smooth cube", "bulging chamfered cube"])
+def test_leaving_out_patches_that_are_turned_away_changes_no_pixel(name: str) -> None:
+    mesh = CLOSED[name]()
+    everything = pn_triangles(mesh, 5)
+    left_out = 0
+    for camera in cameras(4):
+        front = only(everything, pn_triangles(mesh, 5, camera=camera, back_faces=0.0, cull=False))
+        left_out += len(everything.triangles) - len(front.triangles)
+        np.testing.assert_array_equal(render(everything, camera), render(front, camera))
+    assert left_out > 0.1 * 4 * len(everything.triangles)
+
+
+def test_a_threshold_keeps_more() -> None:
+    mesh, camera = torus(64, 32), tl.Camera((9, 3, 5), (0, 0, 0))
+    counts = [
+        len(pn_triangles(mesh, 3, camera=camera, back_faces=cosine).triangles)
+        for cosine in (0.0, 0.2, 0.9)
+    ]
+    everything = len(pn_triangles(mesh, 3).triangles)
+    assert counts == sorted(counts)
+    assert counts[0] < 0.6 * everything
+    assert counts[-1] > 0.9 * everything
+
+
+# bad input
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"factor": 0.5}, "factor from 1 to 64"),
+        ({"factor": float("nan")}, "finite factor"),
+        ({"factor": np.ones((2, 3))}, "shape"),
+        ({"factor": np.zeros((12, 3))}, "factors from 1 to 64"),
+        ({"factor": 3, "lod": UniformFactor(3)}, "both"),
+        ({"lod": LengthFactor()}, "needs a camera"),
+        ({"normals": "cubic"}, "unknown normals"),
+        ({"partitioning": "odd"}, "unknown partitioning"),
+        ({"back_faces": 0.2}, "needs a camera"),
+        ({"back_faces": 2.0, "camera": tl.Camera((9, 0, 0), (0, 0, 0))}, "from 0 to below 1"),
+        ({"sharp": -3.0}, "0 to 180"),
+    ],
+)
+def test_wrong_arguments(change, message: str) -> None:
+    with pytest.raises(tl.InputError, match=message):
+        pn_triangles(cube(), **change)
+
+
+def test_wrong_meshes() -> None:
+    mesh = cube()
+    broken = mesh.vertices.copy()
+    broken[3, 1] = np.nan
+    for vertices, normals, triangles, message in (
+        (broken, mesh.normals, mesh.triangles, "finite positions"),
+        (mesh.vertices, broken, mesh.triangles, "finite normals"),
+        (mesh.vertices, mesh.normals, mesh.triangles + 20, "among its 24 vertices"),
+        (mesh.vertices, mesh.normals, mesh.triangles[:0], "empty mesh"),
+    ):
+        with pytest.raises(tl.InputError, match=message):
+            pn_triangles(tl.Mesh(vertices, normals, triangles), 3)
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: LengthFactor(pixels=0),
+        lambda: CurvatureFactor(pixels=-1),
+        lambda: DistanceFactor(near=5, far=5),
+        lambda: DistanceFactor(near=-1),
+        lambda: SilhouetteFactor(cosine=0),
+        lambda: OrientationFactor(minimum=9, maximum=5),
+        lambda: UniformFactor(65),
+    ],
+)
+def test_wrong_formulas(make) -> None:
+    with pytest.raises(tl.InputError, match="expected"):
+        make()
