@@ -16,6 +16,7 @@ from cyclopts import App, CycloptsError, Parameter
 from cyclopts.config import Env
 
 from .arguments import one_of
+from .cli_flyover import PathOptions
 from .cli_options import (
     CameraOptions,
     DetailOptions,
@@ -105,15 +106,16 @@ def render(
     view: CameraOptions = CameraOptions(),  # noqa: B008
     detail: DetailOptions = DetailOptions(),  # noqa: B008
     terrain: TerrainOptions = TerrainOptions(),  # noqa: B008
+    many: PathOptions = PathOptions(),  # noqa: B008
 ) -> None:
-    """Draw a picture of ground. Needs no display.
+    """Draw a picture of ground, or many along a path. Needs no display.
 
     Parameters
     ----------
     ground
         A raster file or the name of a bundled sample.
     output
-        PNG to write.
+        PNG to write; a folder with --path, --orbit or --flyover.
     style
         shaded: sunlit and tinted by height. wireframe: the triangles. lod: red for patches with
         much detail, through green and blue to black for those with little.
@@ -130,17 +132,24 @@ def render(
     from .render import render as draw
     from .render import require_png
 
-    require_png(output)
+    if not many.many:
+        require_png(output)
     chosen = detail.make(lod, terrain.tile, factor)
+    beside = many.second(detail, terrain.tile)
     require_graphics()
     heights = reading.load(ground)
     camera = view.over(heights)
     log("%r", heights)
+    options: dict[str, Any] = {"style": style} if sun is None else {"style": style, "sun": sun}
+    if many.many:
+        made = terrain.make(heights)
+        return many.render(made, camera, output, [chosen, *beside], edges, **options)
+    options |= {"drape": many.drape(heights), "edges": many.triangles}
     mesh = terrain.make(heights).mesh(camera, lod=chosen, edges=edges)
     log("%r from %r", mesh, chosen)
-    options: dict[str, Any] = {} if sun is None else {"sun": sun}
-    draw(mesh, camera, output, style=style, height_range=heights.height_range, **options)
+    draw(mesh, camera, output, height_range=heights.height_range, **options)
     say(f"{output}: {_counts(mesh)}")
+    return None
 
 
 @app.command(sort_key=3)

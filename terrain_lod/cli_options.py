@@ -178,12 +178,15 @@ class DetailOptions:
 
     def both(self) -> tuple[DistanceLod, CoplanarityLod]:
         """Return distance and coplanarity LOD, each with those options that it takes."""
-        options, given = _lod_options(), self._given()
         distance, coplanarity = (
-            _lods()[name](**{key: given[key] for key in given if key in options[name]})
-            for name in ("distance", "coplanarity")
+            _lods()[name](**self.taken_by(name)._given()) for name in ("distance", "coplanarity")
         )
         return distance, coplanarity
+
+    def taken_by(self, name: str) -> DetailOptions:
+        """Return those options that the level of detail called `name` takes."""
+        options, given = _lod_options()[name], self._given()
+        return DetailOptions(**{key: given[key] for key in given if key in options})
 
     def _given(self) -> dict[str, Any]:
         return {name: value for name, value in vars(self).items() if value is not None}

@@ -16,6 +16,7 @@ from PIL import Image
 from .arguments import finite, one_of
 from .camera import Camera
 from .colours import Colours, hypsometric, lit, lod_colours, mixed, sun_direction, to_bytes
+from .drape import Drape
 from .errors import InputError
 from .files import replacing, require_folder
 from .graphics import require_graphics
@@ -50,6 +51,8 @@ def render(
     sun: tuple[float, float] = (315.0, 40.0),
     height_range: tuple[float, float] | None = None,
     factor_range: tuple[float, float] | None = None,
+    drape: Drape | None = None,
+    edges: bool = False,
 ) -> Picture:
     """Draw `mesh` as `camera` sees it. Needs no display.
 
@@ -71,6 +74,10 @@ def render(
         ground's to compare pictures of several meshes.
     factor_range : (float, float), optional
         Factors shown as black and as red. Default: 1 and the cells of a tile.
+    drape : Drape, optional
+        A picture in place of the tints, for style "shaded".
+    edges : bool, optional
+        Draw the triangles' edges over any style.
 
     Returns
     -------
@@ -99,7 +106,7 @@ def render(
     else:
         colours = np.broadcast_to(np.asarray(_PAPER, np.float32), mesh.vertices.shape)
     require_graphics()
-    picture = _draw(mesh, camera, to_bytes(colours), style)
+    picture = _draw(mesh, camera, to_bytes(colours), style, drape, edges or style == "wireframe")
     if path is not None:
         save_png(picture, path)
     return picture
@@ -180,7 +187,14 @@ def _by_detail(
 # drawing
 
 
-def _draw(mesh: Mesh, camera: Camera, colours: npt.NDArray[np.uint8], style: str) -> Picture:
+def _draw(
+    mesh: Mesh,
+    camera: Camera,
+    colours: npt.NDArray[np.uint8],
+    style: str,
+    drape: Drape | None,
+    edges: bool,
+) -> Picture:
     """Return the picture of `mesh` with a colour a vertex or a triangle."""
     import pyvista
 
@@ -200,13 +214,16 @@ def _draw(mesh: Mesh, camera: Camera, colours: npt.NDArray[np.uint8], style: str
         data = surface.cell_data if style == "lod" else surface.point_data
         data["colour"] = colours
         filled = _add(plotter, surface, scalars="colour", rgb=True)
+        if drape is not None:
+            drape.lay(mesh, surface, filled)
         covered = _point_camera(plotter, mesh, camera, depths)
-        if style == "wireframe":
+        if edges:
             # lines lie in the faces they bound: the faces step back by one unit of depth
             filled.mapper.SetResolveCoincidentTopologyToPolygonOffset()
             filled.mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(1.0, 1.0)
             lines = surface.copy(deep=False)
             _add(plotter, lines, style="wireframe", color=INK, line_width=_LINE_WIDTH)
+        if style == "wireframe":
             plotter.set_background(_PAPER)
             return _averaged(_screenshot(plotter), scale)
         return _averaged(np.where(covered[..., None], _screenshot(plotter), background), scale)

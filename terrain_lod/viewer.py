@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from ctypes import CDLL, c_char_p, c_void_p
 from pathlib import Path
+from typing import Any, Final
 
 from .camera import Camera
 from .errors import GraphicsError
@@ -15,7 +19,7 @@ from .viewer_movie import Movie
 from .viewer_settings import Settings
 from .viewer_window import Window
 
-_PERIOD = 15  # milliseconds between two looks for something new
+_PERIOD: Final = 15  # milliseconds between two looks for something new
 
 
 def view(
@@ -47,12 +51,13 @@ def view(
         window.apply(settings or window.settings)
         controls = Controls(window)
         controls.record(record)
-        interactor = window.plotter.iren
-        interactor.initialize()
-        interactor.interactor.AddObserver("TimerEvent", lambda *_: controls.pump())
-        interactor.interactor.CreateRepeatingTimer(_PERIOD)
-        window.pump()
-        interactor.start()
+        interactor = window.plotter.iren.interactor
+        interactor.Initialize()
+        interactor.AddObserver("TimerEvent", lambda *_: controls.pump())
+        interactor.CreateRepeatingTimer(_PERIOD)
+        window.draw()
+        with _ended_by_interrupt(interactor):
+            interactor.Start()
         controls.record(None)
     finally:
         window.close()
@@ -126,6 +131,16 @@ def require_display() -> None:
         raise GraphicsError(
             f"expected a display for a window, got {got}: use --off-screen or --web"
         )
+
+
+@contextmanager
+def _ended_by_interrupt(interactor: Any) -> Iterator[None]:
+    """End the window's loop at Ctrl-C: an exception would be lost in VTK's callbacks."""
+    before = signal.signal(signal.SIGINT, lambda *_: interactor.TerminateApp())
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _opens(name: str) -> bool:

@@ -15,6 +15,8 @@ r u c v h q                 reset the camera, reload the ground, picture, record
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
@@ -60,20 +62,33 @@ class Controls:
         interactor: Any = window.plotter.iren.interactor
         self._interactor = interactor
         self._style = vtkInteractorStyleUser()
+        # VTK's own characters (3 is stereo, w is wireframe) are ours
+        self._style.AddObserver("CharEvent", lambda *_: None)
         interactor.SetInteractorStyle(self._style)
-        for event, drag in (("Left", "turn"), ("Middle", "pan"), ("Right", "zoom")):
-            interactor.AddObserver(
-                f"{event}ButtonPressEvent", lambda *_, drag=drag: self._press(drag)
-            )
-            interactor.AddObserver(f"{event}ButtonReleaseEvent", lambda *_: self._release())
-        interactor.AddObserver("MouseMoveEvent", lambda *_: self._move())
-        interactor.AddObserver("MouseWheelForwardEvent", lambda *_: self._zoom(_WHEEL))
-        interactor.AddObserver("MouseWheelBackwardEvent", lambda *_: self._zoom(1 / _WHEEL))
-        interactor.AddObserver("KeyPressEvent", lambda *_: self.press(interactor.GetKeySym()))
+        window.plotter.iren.clear_key_event_callbacks()  # pyvista's own
+        for button, drag in (("Left", "turn"), ("Middle", "pan"), ("Right", "zoom")):
+            self._on(f"{button}ButtonPress", partial(self._press, drag))
+            self._on(f"{button}ButtonRelease", self._release)
+        self._on("MouseMove", self._move)
+        self._on("MouseWheelForward", lambda: self._zoom(_WHEEL))
+        self._on("MouseWheelBackward", lambda: self._zoom(1 / _WHEEL))
+        self._on("KeyPress", lambda: self.press(interactor.GetKeySym()))
         self.widgets: dict[str, Any] = {}
         self._synced: tuple[Settings, bool] | None = None
         if panel:
             self._add_sliders()
+
+    def _on(self, event: str, action: Callable[[], None]) -> None:
+        """Do `action` at an event; what goes wrong is noted in the window."""
+
+        def act(*_: object) -> None:
+            try:
+                action()
+            except TerrainError as error:
+                self.window.note = str(error)
+                self.window.redraw()
+
+        self._interactor.AddObserver(f"{event}Event", act)
 
     def pump(self) -> None:
         """Show what is new; add it to the recording."""
@@ -86,15 +101,15 @@ class Controls:
     # keys
 
     def press(self, key: str | None) -> None:
-        """Do what a key is for; what goes wrong is noted in the window."""
-        try:
-            self._press_key(key or "")
-        except TerrainError as error:
-            self.window.note = str(error)
-        self.window.redraw()
+        """Do what a key is for.
 
-    def _press_key(self, key: str) -> None:
-        window = self.window
+        Raises
+        ------
+        TerrainError
+            If it cannot be done.
+        """
+        window, key = self.window, key or ""
+        window.redraw()
         for choice in CHOICES:
             if key == choice.key:
                 window.apply(window.settings.next(choice.name))

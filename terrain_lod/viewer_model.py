@@ -285,16 +285,6 @@ class Model:
         return paint.shaded(mesh, sun, terrain.ground.height_range)
 
 
-def texture_coordinates(mesh: Mesh, ground: Heightmap) -> npt.NDArray[np.float32]:
-    """Return where each vertex is in a picture with a pixel a sample, v upwards; (V, 2)."""
-    rows, columns = ground.shape
-    shift = np.subtract(mesh.origin[:2], ground.origin)
-    column = (mesh.vertices[:, 0] + np.float32(shift[0])) / np.float32(ground.spacing[0])
-    row = (-np.float32(shift[1]) - mesh.vertices[:, 1]) / np.float32(ground.spacing[1])
-    u, v = (column + 0.5) / columns, 1 - (row + 0.5) / rows
-    return np.stack([u, v], axis=1).astype(np.float32)
-
-
 def frustum(camera: Camera, reach: float) -> npt.NDArray[np.float64]:
     """Return the eye and the corners of the picture at depth `reach`; (5, 3), world units.
 

@@ -15,12 +15,13 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from .camera import Camera
+from .drape import Drape
 from .errors import InputError
 from .graphics import require_graphics
 from .render import HORIZON, INK, ZENITH, Picture, save_png, stand
 from .viewer_camera import Rig
 from .viewer_engine import Engine
-from .viewer_model import Frame, Model, Request, frustum, texture_coordinates
+from .viewer_model import Frame, Model, Request, frustum
 from .viewer_settings import Settings
 
 if TYPE_CHECKING:
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
 
 _FRUSTUM: Final = (0.95, 0.80, 0.10)
 _MARK: Final = (0.95, 0.10, 0.60)
-_LARGEST_TEXTURE: Final = 4096  # pixels along one side, in reach of every driver
 _TEXT_SIZE: Final = 14
 _LOOK_AFTER: Final = 1.0  # seconds between looks at the ground's file
 
@@ -208,12 +208,32 @@ class Window:
         return self.frame
 
     def picture(self, path: str | Path | None = None) -> Picture:
-        """Draw, and return (H, W, 3) uint8 of what the window shows; also as PNG to `path`."""
+        """Draw, and return (H, W, 3) uint8 of what the window shows; also as PNG to `path`.
+
+        Raises
+        ------
+        InputError
+            If the window has no pixels.
+        FileError
+            If the file cannot be written.
+        """
+        if min(self.size) < 1:
+            raise InputError(f"expected a window with pixels for a picture, got {self.size}")
         self.draw()
-        shown = np.asarray(self.plotter.screenshot(return_img=True))[..., :3].copy()
+        shown = self._pixels()
         if path is not None:
             save_png(shown, path)
         return shown
+
+    def _pixels(self) -> Picture:
+        from vtkmodules.util.numpy_support import vtk_to_numpy
+        from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
+
+        width, height = self.size
+        pixels = vtkUnsignedCharArray()
+        self.plotter.render_window.GetPixelData(0, 0, width - 1, height - 1, 0, pixels, 0)
+        # VTK counts rows from below
+        return np.asarray(vtk_to_numpy(pixels)).reshape(height, width, 3)[::-1].copy()
 
     def pick(self, x: int, y: int) -> None:
         """Note what is known of the ground at a pixel, counted from the lower left."""
@@ -275,16 +295,11 @@ class Window:
 
     def _drape(self, surface: pyvista.PolyData, frame: Frame) -> None:
         """Lay the texture over the surface, or take it off."""
-        import pyvista
-
-        texture = frame.paint.texture
-        if texture is None:
+        if frame.paint.texture is None:
             self._surface.SetTexture(None)
-            return
-        step = -(-max(texture.shape) // _LARGEST_TEXTURE)
-        coordinates = texture_coordinates(frame.mesh, frame.terrain.ground)
-        surface.active_texture_coordinates = coordinates
-        self._surface.texture = pyvista.Texture(np.ascontiguousarray(texture[::step, ::step]))
+        else:
+            drape = Drape(frame.paint.texture, frame.terrain.ground)
+            drape.lay(frame.mesh, surface, self._surface)
 
     def _show_frustum(self) -> None:
         self._frustum.visibility = self._frozen is not None
