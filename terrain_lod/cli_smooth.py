@@ -138,9 +138,9 @@ def _load(path: Path) -> Mesh:
     """Read a mesh, and say what had to be done to it, unless -q."""
     from . import mesh_loading
 
+    quiet = not logging.getLogger(__package__).isEnabledFor(logging.WARNING)
     notes = logging.getLogger(mesh_loading.__name__)
-    if notes.isEnabledFor(logging.WARNING):
-        notes.setLevel(logging.INFO)
+    notes.setLevel(logging.NOTSET if quiet else logging.INFO)
     return mesh_loading.load_mesh(path)
 
 
