@@ -21,6 +21,8 @@ CHECKS: Final[Checks] = {
     "queues": checks_surfaces.check_queues,
     "semi_uniform": checks_surfaces.check_semi_uniform,
     "bezier": checks_surfaces.check_bezier,
+    "surface": checks_surfaces.check_surface,
+    "curve": checks_surfaces.check_curve,
     "domain": checks_terrain.check_domain,
     "holes": checks_terrain.check_holes,
     "ladder": checks_promise.check_ladder,

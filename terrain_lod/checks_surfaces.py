@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
 
 from .bezier import bezier
 from .checkup import Check, largest_difference, unequal_rows
+from .curves import CURVES, curve
 from .device import Device
 from .layout import FIXED_ONE
 from .queues import queues_of
 from .reference import bezier as bezier_reference
 from .reference import semi_uniform as semi_uniform_reference
+from .reference import surfaces as surfaces_reference
 from .semi_uniform import semi_uniform
+from .surfaces import SURFACES, surface
 from .tessellator import tessellate
+
+# of lengths near ten, and of normals beside collapsed edges
+_LENGTH: Final = 2e-4
 
 
 def check_queues(device: Device) -> Check:
@@ -61,4 +67,31 @@ def check_bezier(device: Device) -> Check:
         largest_difference(found.vertices, positions),
         largest_difference(found.normals, normals),
     )
-    return Check(max(differences), 2e-4, "units")
+    return Check(max(differences), _LENGTH, "units")
+
+
+def check_surface(device: Device) -> Check:
+    differences = []
+    factors = (np.full((1, width), 9.5) for width in (4, 2))
+    u, v = tessellate("quad", *factors, device=device).points.T / FIXED_ONE
+    for name, row in SURFACES.items():
+        numbers = {key: number.default for key, number in row.numbers.items()}
+        found = surface(name, patches=(1, 1), factor=9.5, device=device)
+        positions, normals = surfaces_reference.surface(name, u, v, numbers)
+        # differences of positions say nothing at poles and where a power leaves an edge
+        smooth = ~np.isnan(normals).any(axis=1) & (name != "superquadric")
+        differences.append(largest_difference(found.vertices, positions))
+        differences.append(largest_difference(found.normals[smooth], normals[smooth]))
+    return Check(max(differences), _LENGTH, "units")
+
+
+def check_curve(device: Device) -> Check:
+    differences = []
+    t = tessellate("isoline", [[1, 40]], partitioning="integer", device=device).points[:, 0]
+    for name, row in CURVES.items():
+        numbers = {key: number.default for key, number in row.numbers.items()}
+        found = curve(name, pieces=1, factor=40, device=device)
+        positions, tangents = surfaces_reference.curve(name, t / FIXED_ONE, numbers)
+        differences.append(largest_difference(found.points, positions))
+        differences.append(largest_difference(found.tangents, tangents))
+    return Check(max(differences), _LENGTH, "units")

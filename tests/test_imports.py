@@ -20,7 +20,7 @@ ROOMS = {
     # numbers, checks and frozen objects: they know nothing above them
     "values": (
         "errors arguments layout factors patch_factors grid heightmap camera viewpoint lod pattern "
-        "mesh soundness open_edges adjacency colours degrees files device_info parameters timeline",
+        "mesh soundness open_edges adjacency shape_numbers colours degrees files device_info parameters timeline",
         "",
     ),
     # ground, patches and meshes from files and to files; what can be known of a mesh alone
@@ -36,7 +36,10 @@ ROOMS = {
         "values device",
     ),
     # put stages one after the other
-    "chains": ("terrain promise smooth bezier uniform_quads", "values files meshes device stages"),
+    "chains": (
+        "terrain promise smooth bezier surfaces curves uniform_quads",
+        "values files meshes device stages",
+    ),
     # take a mesh to a number or a picture
     "sinks": ("error screen_error graphics render", "values meshes device reference"),
     # many meshes to a page, or to a window
