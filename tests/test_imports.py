@@ -20,7 +20,8 @@ ROOMS = {
     # numbers, checks and frozen objects: they know nothing above them
     "values": (
         "errors arguments layout factors patch_factors grid heightmap camera viewpoint lod pattern "
-        "mesh soundness open_edges adjacency shape_numbers colours degrees files device_info parameters timeline",
+        "mesh soundness open_edges adjacency shape_numbers colours degrees files "
+        "device_info parameters timeline",
         "",
     ),
     # ground, patches and meshes from files and to files; what can be known of a mesh alone
