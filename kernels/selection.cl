@@ -4,6 +4,7 @@
 //   select_inside    the cheapest pair of inside factors whose measured error is within it
 //   select_edges     one factor an edge, from the edge's own ladder and both tiles' needs
 //   settle_inside    no inside factor of 1 where another is more
+//   only_changed     every other tile culled: what a choice changed is measured, nothing else
 //   tighten          after the finished mesh has been measured: tiles that exceed get less
 //
 // Built with: LEVELS of the ladder; EDGE_RULE, EDGES_BY_ERROR, EDGES_MIN or EDGES_MAX.
@@ -162,6 +163,16 @@ __kernel void settle_inside(const int patches,
                is_single ? along_u : fmax(along_u, 3.0f), changed + patch);
     put_factor(inside_factors + patch * INSIDES + 1,
                is_single ? along_v : fmax(along_v, 3.0f), changed + patch);
+}
+
+__kernel void only_changed(const int count,
+                           __global const uchar *changed,           // (P,)
+                           __global const float *edge_factors,      // (P, 4)
+                           __global float *kept_factors)            // (P, 4) 0 culls a patch
+{
+    const int index = get_global_id(0);
+    if (index < count)
+        kept_factors[index] = changed[index / EDGES] ? edge_factors[index] : 0.0f;
 }
 
 // Where the finished mesh exceeds what is allowed, give the ladder a smaller share of it; in the

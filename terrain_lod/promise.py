@@ -93,11 +93,16 @@ class Promise:
         )
         for rounds in range(1, _MOST_ROUNDS + 1):  # noqa: B007
             selection.choose()
-            pattern = self.tessellate(selection.factors)
+            # what did not change was measured before
+            pattern = self.tessellate(
+                selection.factors if rounds == 1 else selection.only_changed()
+            )
             selection.measure(self.ground, pattern)
             exceeding, refinable = selection.tighten()
             if refinable == 0:
                 break
+        if rounds > 1:
+            pattern = self.tessellate(selection.factors)
         worst = selection.measured.host()
         allowed = selection.allowed.host()
         # the error in pixels grows faster than that in metres, so their ratio bounds it

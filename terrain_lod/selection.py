@@ -139,6 +139,21 @@ class Selection:
             changed=self.changed,
         )
 
+    def only_changed(self) -> DeviceFactors:
+        """Return the factors chosen last with every other tile culled: what is to be measured."""
+        edge = self.allowed.device.empty(self.factors.edge.shape, np.float32)
+        self.allowed.device.kernel(
+            "selection.cl", "only_changed", **_defines(self.grid, self.edges)
+        )(
+            (edge.size,),
+            (_GROUP,),
+            count=edge.size,
+            changed=self.changed,
+            edge_factors=self.factors.edge,
+            kept_factors=edge,
+        )
+        return DeviceFactors(edge, self.factors.inside)
+
     def tighten(self) -> tuple[int, int]:
         """Give tiles that exceed a smaller share.
 
@@ -182,6 +197,7 @@ class Selection:
             points=pattern.points,
             triangle_offsets=pattern.primitive_offsets,
             triangles=pattern.primitives,
+            offsets=device.empty((pattern.points.shape[0], 2), np.int32),
             point_heights=device.empty(pattern.points.shape[0], np.float32),
             errors=self.measured,
             scratch=group * 4,
