@@ -24,10 +24,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
+import numpy.typing as npt
 
+from .error import vertical_error
 from .errors import InputError
 from .files import replacing
 from .glb import write_glb
+from .grid import TileGrid
+from .heightmap import Heightmap
 from .mesh import Mesh
 from .soundness import require_sound
 
@@ -82,8 +86,14 @@ def save(mesh: Mesh, path: str | Path) -> Path:
     return path
 
 
-def to_pyvista(mesh: Mesh) -> pyvista.PolyData:
+def to_pyvista(mesh: Mesh, ground: Heightmap | None = None) -> pyvista.PolyData:
     """Return the mesh as pyvista.PolyData that shares its memory.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    ground : Heightmap, optional
+        What to measure the error against.
 
     Returns
     -------
@@ -91,7 +101,9 @@ def to_pyvista(mesh: Mesh) -> pyvista.PolyData:
         Points relative to the origin; add ``field_data["origin"]`` for world coordinates. Point
         data: ``Normals``. Field data: ``origin`` (3,) float64, ``crs``. A terrain's cell data:
         ``patch`` int32, the patch's row-major number; ``factor`` float32, its larger inside
-        factor; ``deviation`` float32, that of its tile from the plane.
+        factor; ``level`` int8, how often that doubles: 0 for 1, 1 for 2, 3 for 8; ``deviation``
+        float32, that of its tile from the plane; with `ground`, ``error`` float32, the largest
+        vertical error of its tile.
     """
     import pyvista
 
@@ -102,10 +114,28 @@ def to_pyvista(mesh: Mesh) -> pyvista.PolyData:
         surface.field_data["crs"] = mesh.crs
     if mesh.patches is not None:
         patch = mesh.triangle_patches
+        factors = mesh.patches.inside_factors.max(axis=1)
         surface.cell_data["patch"] = patch
-        surface.cell_data["factor"] = mesh.patches.inside_factors.max(axis=1)[patch]
+        surface.cell_data["factor"] = factors[patch]
+        levels = np.round(np.log2(np.maximum(factors, 1.0))).astype(np.int8)
+        surface.cell_data["level"] = levels[patch]
         surface.cell_data["deviation"] = mesh.patches.deviation[patch]
+        if ground is not None:
+            surface.cell_data["error"] = _tile_errors(mesh, mesh.patches.tile, ground)[patch]
     return surface
+
+
+def _tile_errors(mesh: Mesh, tile: int, ground: Heightmap) -> npt.NDArray[np.float32]:
+    """Return the largest vertical error of each tile, NaN where nothing was measured; (P,)."""
+    errors = vertical_error(mesh, ground, field=True).field
+    assert errors is not None
+    grid = TileGrid.of(ground, tile)
+    worst = np.abs(errors)
+    # neighbours share their border samples: the last line of each tile is the first of the next
+    for axis, corners in enumerate((grid.corner_rows, grid.corner_columns)):
+        within = np.fmax.reduceat(worst, corners[:-1], axis=axis)
+        worst = np.fmax(within, worst.take(corners[1:], axis=axis))
+    return worst.ravel()
 
 
 def _write_obj(mesh: Mesh, path: Path) -> None:

@@ -14,6 +14,8 @@ from .errors import InputError
 if TYPE_CHECKING:
     import pyvista
 
+    from .heightmap import Heightmap
+
 
 @dataclass(frozen=True, eq=False)
 class Patches:
@@ -139,11 +141,16 @@ class Mesh:
 
         return save(self, path)
 
-    def to_pyvista(self) -> pyvista.PolyData:
+    def to_pyvista(self, ground: Heightmap | None = None) -> pyvista.PolyData:
         """Return a pyvista.PolyData. See :func:`terrain_lod.export.to_pyvista`."""
         from .export import to_pyvista
 
-        return to_pyvista(self)
+        return to_pyvista(self, ground)
+
+    def _repr_html_(self) -> str:
+        from .notebook import mesh_html
+
+        return mesh_html(self)
 
     def __repr__(self) -> str:
         return f"Mesh({len(self.vertices)} vertices, {len(self.triangles)} triangles)"

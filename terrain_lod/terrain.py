@@ -17,9 +17,9 @@ import numpy as np
 import numpy.typing as npt
 
 from . import layout
-from .analysis import TileAnalysis, analyse_on_device
+from .analysis import TileAnalysis, analyse_on_device, analyse_tiles
 from .arguments import one_of
-from .buffers import DeviceFactors, DeviceGround, DeviceLadder, DeviceVertices
+from .buffers import DeviceFactors, DeviceGround, DeviceLadder, DevicePatches, DeviceVertices
 from .camera import Camera
 from .device import Device
 from .domain import displace_on_device
@@ -28,7 +28,7 @@ from .grid import TileGrid
 from .heightmap import Heightmap
 from .holes import without_holes_on_device
 from .hull import hull_on_device, patches_on_device
-from .ladder import ladder_on_device
+from .ladder import ladder_on_device, measure_tiles
 from .lod import Lod, PromiseLod, Scene, ScreenErrorLod
 from .mesh import Achieved, Mesh, Patches
 from .pattern import DevicePattern
@@ -74,10 +74,58 @@ class Terrain:
         self.ground = ground
         self.grid = TileGrid.of(ground, tile)
         self.device = device or Device.open()
+        self._plane = plane
         self._ground = DeviceGround.upload(ground, self.device)
         self._analysis = analyse_on_device(self._ground, self.grid, plane=plane)
-        low, _ = ground.height_range
-        self._patches = patches_on_device(self._ground, self.grid, fallback=low - ground.base)
+        self._patches = self._displaced_corners()
+
+    def update(self, rows: slice, columns: slice, heights: npt.ArrayLike) -> int:
+        """Replace samples of the ground, and analyse the tiles that they touch anew.
+
+        All that is known of these tiles is as if the terrain had been made of the new ground, to
+        the bit; :attr:`ground` is that new ground. On an error nothing has changed.
+
+        Parameters
+        ----------
+        rows, columns : slice
+            Which samples: within the raster, without a step.
+        heights : array_like of these samples, any real dtype
+            Elevations in the world. NaN and masked elements are nodata from now on.
+
+        Returns
+        -------
+        int
+            Tiles analysed: those that hold one of the samples, be it on their border.
+
+        Raises
+        ------
+        InputError
+            If the slices reach out of the raster, the shape is another, heights are infinite, or
+            no data would be left.
+        """
+        ground, rows, columns = self.ground.with_elevations(rows, columns, heights)
+        tiles = self.grid.touching(rows, columns)
+        self._ground = self._ground.updated(ground, rows)
+        self.ground = ground
+        analyse_tiles(self._ground, self.grid, self._analysis, tiles, plane=self._plane)
+        # corners without data stand at the lowest height there is: all of them may move
+        self._patches = self._displaced_corners()
+        if "_ladder" in self.__dict__:
+            measure_tiles(self._ground, self.grid, self._analysis, self._ladder, tiles)
+        for known in ("analysis", "scene"):
+            self.__dict__.pop(known, None)
+        return len(tiles)
+
+    def _displaced_corners(self) -> DevicePatches:
+        low, _ = self._height_range
+        return patches_on_device(self._ground, self.grid, fallback=low - self.ground.base)
+
+    @property
+    def _height_range(self) -> tuple[float, float]:
+        """Lowest and highest elevation, from the tiles: a raster has hundreds of times as many."""
+        details = self._analysis.details.host()
+        base = self.ground.base
+        return base + float(np.nanmin(details[..., 1])), base + float(np.nanmax(details[..., 2]))
 
     @cached_property
     def analysis(self) -> TileAnalysis:
@@ -92,7 +140,7 @@ class Terrain:
     @cached_property
     def scene(self) -> Scene:
         """What levels of detail take their defaults from."""
-        low, high = self.ground.height_range
+        low, high = self._height_range
         known = self.analysis.deviation[~np.isnan(self.analysis.deviation)]
         return Scene(
             diagonal=float(np.hypot(np.hypot(*self.ground.extent), high - low)),
@@ -221,6 +269,11 @@ class Terrain:
             timings=timeline.seconds,
             achieved=achieved,
         )
+
+    def _repr_html_(self) -> str:
+        from .notebook import terrain_html
+
+        return terrain_html(self)
 
     def __repr__(self) -> str:
         rows, columns = self.grid.shape
