@@ -150,14 +150,17 @@ inline Fit fit_tile(Grid grid, Samples tile, __local float *scratch)
 __kernel void analysis(const Grid grid,
                        __global const float *heights,  // (R, C)
                        __global const uchar *holes,    // (R, C) where MASKED
+                       const int count,
+                       __global const int *tiles,      // (count,) to analyse; others keep theirs
                        __global float4 *planes,        // (TR, TC) unit normal, height at the centre
                        __global float4 *details,       // (TR, TC) deviation, minimum, maximum, holes
                        __local float *scratch)         // GROUP
 {
     // groups share the tiles in runs
-    const int run = (tile_count(grid) + get_num_groups(0) - 1) / get_num_groups(0);
+    const int run = (count + get_num_groups(0) - 1) / get_num_groups(0);
     const int first = get_group_id(0) * run;
-    for (int index = first; index < min(first + run, tile_count(grid)); ++index) {
+    for (int i = first; i < min(first + run, count); ++i) {
+        const int index = tiles[i];
         const Fit fit = fit_tile(grid, tile_samples(grid, index, heights, holes), scratch);
         if (get_local_id(0) != 0)
             continue;

@@ -184,14 +184,17 @@ __kernel void ladder(const Grid grid,
 
 // Along a line of samples: the edges between tiles, and the terrain's border.
 __kernel void edge_ladder(const Grid grid, const int vertical,
+                          const int count,
+                          __global const int *edges,        // (count,) to measure
                           __global const float *heights,    // (R, C)
                           __global float *errors)           // (edges, LEVELS)
 {
     // edges that run across: (TR + 1, TC); edges that run down: (TR, TC + 1)
-    const int across = grid.tile_columns + vertical, down = grid.tile_rows + 1 - vertical;
-    const int edge = get_global_id(0);
-    if (edge >= across * down)
+    const int across = grid.tile_columns + vertical;
+    const int i = get_global_id(0);
+    if (i >= count)
         return;
+    const int edge = edges[i];
     const int tile_r = edge / across, tile_c = edge % across;
     const int row = tile_row(grid, tile_r), column = tile_column(grid, tile_c);
     const int cells = vertical ? tile_row(grid, tile_r + 1) - row
@@ -205,9 +208,9 @@ __kernel void edge_ladder(const Grid grid, const int vertical,
         for (int s = 0; s <= cells; ++s) {
             float end[2];
             for (int k = 0; k < 2; ++k) {
-                const int i = axis.cell[s] + k;
-                const int sample = i * cells / f;
-                const float fraction = (float)(i * cells - sample * f) / f;
+                const int point = axis.cell[s] + k;
+                const int sample = point * cells / f;
+                const float fraction = (float)(point * cells - sample * f) / f;
                 const float here = line[sample * stride];
                 const float next = line[(sample < cells ? sample + 1 : sample) * stride];
                 end[k] = here + (next - here) * fraction;

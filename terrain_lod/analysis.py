@@ -111,6 +111,23 @@ def analyse_on_device(
 ) -> DeviceAnalysis:
     """Run the analysis kernel and leave its results on the device."""
     device = ground.device
+    analysis = DeviceAnalysis(
+        device.empty((*grid.shape, 4), np.float32), device.empty((*grid.shape, 4), np.float32)
+    )
+    analyse_tiles(ground, grid, analysis, np.arange(grid.count, dtype=np.int32), plane=plane)
+    return analysis
+
+
+def analyse_tiles(
+    ground: DeviceGround,
+    grid: TileGrid,
+    analysis: DeviceAnalysis,
+    tiles: npt.NDArray[np.int32],
+    *,
+    plane: str = "least_squares",
+) -> None:
+    """Analyse some tiles, by their numbers, into what is known of all."""
+    device = ground.device
     corners = one_of("plane", plane, PLANES) == "corners"
     group = device.group_size(64)
     kernel = device.kernel(
@@ -121,18 +138,17 @@ def analyse_on_device(
         CORNERS=int(corners),
         MASKED=int(ground.masked),
     )
-    planes = device.empty((*grid.shape, 4), np.float32)
-    details = device.empty((*grid.shape, 4), np.float32)
     # a tile a group on a GPU; on a CPU launching a group costs as much as a tile
-    groups = grid.count if device.is_gpu else min(grid.count, 256)
+    groups = len(tiles) if device.is_gpu else min(len(tiles), 256)
     kernel(
         (groups * group,),
         (group,),
         grid=grid.record(),
         heights=ground.heights,
         holes=ground.holes,
-        planes=planes,
-        details=details,
+        count=len(tiles),
+        tiles=device.array(tiles),
+        planes=analysis.planes,
+        details=analysis.details,
         scratch=group * 4,
     )
-    return DeviceAnalysis(planes, details)

@@ -35,6 +35,18 @@ class DeviceGround:
         device.require(f"a raster of {rows} x {columns}", ground.heights.nbytes, holes.nbytes)
         return cls(device.array(ground.heights), device.array(holes.view(np.uint8)), masked)
 
+    def updated(self, ground: Heightmap, rows: slice) -> DeviceGround:
+        """Copy `rows` of a changed heightmap over those that are there."""
+        start, masked = rows.start * ground.shape[1], ground.mask is not None
+        holes = self.holes
+        if ground.mask is not None and self.masked:
+            holes.write(ground.mask[rows].view(np.uint8), start)
+        elif masked != self.masked:
+            whole = np.zeros(1, bool) if ground.mask is None else ground.mask
+            holes = self.device.array(whole.view(np.uint8))
+        self.heights.write(ground.heights[rows], start)
+        return DeviceGround(self.heights, holes, masked)
+
     @property
     def device(self) -> Device:
         return self.heights.device

@@ -80,6 +80,24 @@ class TileGrid:
         """Sample columns of the tile corners; (TC + 1,)."""
         return _corners(self.columns - 1, self.tile)
 
+    def touching(self, rows: slice, columns: slice) -> npt.NDArray[np.int32]:
+        """Return the tiles that hold any of these samples, their borders included; sorted.
+
+        Parameters
+        ----------
+        rows, columns : slice
+            Of samples within the raster, start and stop given.
+        """
+        (first_row, end_row), (first_column, end_column) = (
+            # the first tile that ends at `start` or after it, the first that begins at `stop`
+            (np.searchsorted(corners[1:], part.start), np.searchsorted(corners[:-1], part.stop))
+            for corners, part in ((self.corner_rows, rows), (self.corner_columns, columns))
+        )
+        down = np.arange(first_row, end_row, dtype=np.int32)
+        across = np.arange(first_column, end_column, dtype=np.int32)
+        tiles: npt.NDArray[np.int32] = (down[:, None] * np.int32(self.shape[1]) + across).ravel()
+        return tiles
+
     def record(self) -> npt.NDArray[Any]:
         """Return the ``layout.GRID`` record that kernels take."""
         last = (self.corner_rows[-2], self.corner_columns[-2])

@@ -8,7 +8,9 @@ Row 0 is the northernmost row: sample ``[row, column]`` stands at
 from __future__ import annotations
 
 from collections.abc import Iterable
+from copy import copy
 from dataclasses import dataclass
+from operator import index
 from typing import Any, Final
 
 import numpy as np
@@ -98,6 +100,43 @@ class Heightmap:
     def _set(self, field: str, value: object) -> None:
         object.__setattr__(self, field, value)
 
+    def with_elevations(
+        self, rows: slice, columns: slice, elevations: npt.ArrayLike
+    ) -> tuple[Heightmap, slice, slice]:
+        """Return this ground with some of its samples replaced, and which, start and stop given.
+
+        Parameters
+        ----------
+        rows, columns : slice
+            Samples to replace: within the raster, without a step.
+        elevations : array_like of these samples, any real dtype
+            In the world, as :attr:`elevation`, not relative to `base`, which stays as it is. NaN
+            and masked elements are nodata.
+
+        Raises
+        ------
+        InputError
+            If the slices are not such, the shape is another, the array is not real or holds
+            infinities, or no data would be left.
+        """
+        part = _within("rows", rows, self.shape[0]), _within("columns", columns, self.shape[1])
+        shape = tuple(piece.stop - piece.start for piece in part)
+        values, hole = _real(elevations), _masked(elevations)
+        if values.shape != shape:
+            raise InputError(f"expected heights of shape {shape}, got {values.shape}")
+        _add_nan(hole, values)
+        relative = np.where(hole, 0.0, np.subtract(values, self.base, dtype=np.float64))
+        if np.abs(relative).max() > _LARGEST:
+            raise InputError("expected heights that float32 can hold, got some beyond its range")
+        heights, mask = self.heights.copy(), ~self.valid
+        heights[part], mask[part] = relative, hole
+        if mask.all():
+            raise InputError("expected some data to be left, got nodata for the last of it")
+        new = copy(self)
+        new._set("heights", _frozen(heights))
+        new._set("mask", _frozen(mask) if mask.any() else None)
+        return new, *part
+
     @property
     def shape(self) -> tuple[int, int]:
         """Samples along y and x: rows, columns."""
@@ -136,6 +175,11 @@ class Heightmap:
         low, high = self.height_range
         return self.origin[0] + width / 2, self.origin[1] - depth / 2, (low + high) / 2
 
+    def _repr_html_(self) -> str:
+        from .notebook import heightmap_html
+
+        return heightmap_html(self)
+
     def __repr__(self) -> str:
         rows, columns = self.shape
         low, high = self.height_range
@@ -165,29 +209,55 @@ def _heights_and_holes(
     heights: npt.ArrayLike, mask: npt.ArrayLike | None
 ) -> tuple[npt.NDArray[Any], npt.NDArray[np.bool_]]:
     """Return the plain array and where it has no data, or say what is wrong with it."""
-    values = np.asarray(np.ma.getdata(heights))
-    if values.dtype.kind not in "biuf":
-        raise InputError(f"expected real heights, got an array of {values.dtype}")
+    values = _real(heights)
     if values.ndim != 2 or min(values.shape) < 2:
         raise InputError(f"expected heights of at least 2 x 2 samples, got shape {values.shape}")
-    hole = np.array(np.broadcast_to(np.ma.getmaskarray(np.ma.asarray(heights)), values.shape))
+    hole = _masked(heights)
     if mask is not None:
         extra = np.asarray(mask, bool)
         if extra.shape != values.shape:
             raise InputError(f"expected a mask of shape {values.shape}, got {extra.shape}")
         hole |= extra
-    if values.dtype.kind == "f":
-        hole |= np.isnan(values)
-        infinite = np.isinf(values) & ~hole
-        if infinite.any():
-            row, column = np.argwhere(infinite)[0]
-            raise InputError(
-                f"expected finite heights, got {values[row, column]} at [{row}, {column}]: "
-                "mask it or set it to NaN where it stands for nodata"
-            )
+    _add_nan(hole, values)
     if hole.all():
         raise InputError("expected heights, got no data at all (every sample is NaN or masked)")
     return values, hole
+
+
+def _real(heights: npt.ArrayLike) -> npt.NDArray[Any]:
+    values = np.asarray(np.ma.getdata(heights))
+    if values.dtype.kind not in "biuf":
+        raise InputError(f"expected real heights, got an array of {values.dtype}")
+    return values
+
+
+def _masked(heights: npt.ArrayLike) -> npt.NDArray[np.bool_]:
+    return np.array(np.broadcast_to(np.ma.getmaskarray(np.ma.asarray(heights)), np.shape(heights)))
+
+
+def _add_nan(hole: npt.NDArray[np.bool_], values: npt.NDArray[Any]) -> None:
+    """Add NaN to the holes, and refuse infinities elsewhere."""
+    if values.dtype.kind != "f":
+        return
+    hole |= np.isnan(values)
+    infinite = np.isinf(values) & ~hole
+    if infinite.any():
+        row, column = np.argwhere(infinite)[0]
+        raise InputError(
+            f"expected finite heights, got {values[row, column]} at [{row}, {column}]: "
+            "mask it or set it to NaN where it stands for nodata"
+        )
+
+
+def _within(name: str, part: slice, extent: int) -> slice:
+    """Return `part` with start and stop filled in, or say what is wrong with it."""
+    if not isinstance(part, slice):
+        raise InputError(f"expected {name} as a slice, got {part!r}")
+    start = 0 if part.start is None else part.start
+    stop = extent if part.stop is None else part.stop
+    if part.step not in (None, 1) or not 0 <= index(start) < index(stop) <= extent:
+        raise InputError(f"expected {name} within slice(0, {extent}), got {part}")
+    return slice(index(start), index(stop))
 
 
 def _to_float32(

@@ -69,9 +69,21 @@ def patch_indices(tile_rows: int, tile_columns: int) -> npt.NDArray[np.int32]:
 
 def patches_on_device(ground: DeviceGround, grid: TileGrid, fallback: float) -> DevicePatches:
     """Displace the corners of all tiles; `fallback` is their height where there is no data."""
+    rows, columns = grid.shape
+    patches = DevicePatches(
+        ground.device.empty((rows + 1, columns + 1, 4), np.float32),
+        ground.device.array(patch_indices(rows, columns)),
+    )
+    displace_corners(ground, grid, patches, fallback)
+    return patches
+
+
+def displace_corners(
+    ground: DeviceGround, grid: TileGrid, patches: DevicePatches, fallback: float
+) -> None:
+    """Put the control points of `patches` on the ground as it is now."""
     device = ground.device
     rows, columns = grid.shape
-    points = device.empty((rows + 1, columns + 1, 4), np.float32)
     kernel = device.kernel("control_points.cl", "control_points", MASKED=int(ground.masked))
     kernel(
         ((rows + 1) * (columns + 1),),
@@ -80,9 +92,8 @@ def patches_on_device(ground: DeviceGround, grid: TileGrid, fallback: float) -> 
         heights=ground.heights,
         holes=ground.holes,
         fallback=fallback,
-        points=points,
+        points=patches.control_points,
     )
-    return DevicePatches(points, device.array(patch_indices(rows, columns)))
 
 
 def hull_on_device(

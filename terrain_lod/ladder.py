@@ -14,8 +14,8 @@ _LANES: Final = 8  # tiles that a CPU measures side by side
 _GROUP: Final = 64
 
 
-def tile_groups(grid: TileGrid, lanes: int) -> npt.NDArray[np.int32]:
-    """Return all tiles in groups of `lanes` of equal size; the last of a size repeats a tile.
+def tile_groups(grid: TileGrid, tiles: npt.NDArray[np.int32], lanes: int) -> npt.NDArray[np.int32]:
+    """Return `tiles` in groups of `lanes` of equal size; the last of a size repeats a tile.
 
     Returns
     -------
@@ -23,10 +23,10 @@ def tile_groups(grid: TileGrid, lanes: int) -> npt.NDArray[np.int32]:
     """
     down, across = np.diff(grid.corner_rows), np.diff(grid.corner_columns)
     size = (down[:, None] * (grid.tile + 1) + across).ravel()
-    order = np.argsort(size, kind="stable").astype(np.int32)
+    order = tiles[np.argsort(size[tiles], kind="stable")]
     groups = []
-    for tiles in np.split(order, np.flatnonzero(np.diff(size[order])) + 1):
-        padded = np.pad(tiles, (0, -len(tiles) % lanes), mode="edge")
+    for equal in np.split(order, np.flatnonzero(np.diff(size[order])) + 1):
+        padded = np.pad(equal, (0, -len(equal) % lanes), mode="edge")
         groups.append(padded.reshape(-1, lanes))
     return np.concatenate(groups)
 
@@ -50,7 +50,6 @@ def ladder_on_device(
 ) -> DeviceLadder:
     """Measure every tile and every edge at every level; one pass over the raster.
 
-
     Raises
     ------
     DeviceMemoryError
@@ -67,9 +66,30 @@ def ladder_on_device(
         device.empty((edges_down, levels), np.float32),
         device.array(lattice_costs(levels)),
     )
+    measure_tiles(ground, grid, analysis, ladder, np.arange(grid.count, dtype=np.int32))
+    return ladder
+
+
+def edges_of(grid: TileGrid, tiles: npt.NDArray[np.int32]) -> tuple[npt.NDArray[np.int32], ...]:
+    """Return the edges of `tiles` that run across, and those that run down."""
+    row, column = np.divmod(tiles, grid.shape[1])
+    west = row * (grid.shape[1] + 1) + column
+    across = np.unique([tiles, tiles + grid.shape[1]])
+    return across.astype(np.int32), np.unique([west, west + 1]).astype(np.int32)
+
+
+def measure_tiles(
+    ground: DeviceGround,
+    grid: TileGrid,
+    analysis: DeviceAnalysis,
+    ladder: DeviceLadder,
+    tiles: npt.NDArray[np.int32],
+) -> None:
+    """Measure some tiles and their edges into what is known of all."""
+    device, levels = ground.device, grid.levels
     lanes = 1 if device.is_gpu else _LANES
     defines = {"TILE": grid.tile, "LEVELS": levels, "LANES": lanes}
-    groups = tile_groups(grid, lanes)
+    groups = tile_groups(grid, tiles, lanes)
     local = _GROUP if device.is_gpu else 1
     device.kernel("ladder.cl", "ladder", **defines)(
         # a GPU has an item for every factor along u
@@ -82,13 +102,15 @@ def ladder_on_device(
         group_count=len(groups),
         errors=ladder.tiles,
     )
+    edges = edges_of(grid, tiles)
     for vertical, errors in enumerate((ladder.across, ladder.down)):
         device.kernel("ladder.cl", "edge_ladder", **defines)(
-            (errors.shape[0],),
+            (len(edges[vertical]),),
             (local,),
             grid=grid.record(),
             vertical=vertical,
+            count=len(edges[vertical]),
+            edges=device.array(edges[vertical]),
             heights=ground.heights,
             errors=errors,
         )
-    return ladder

@@ -19,7 +19,7 @@ import numpy.typing as npt
 from . import layout
 from .analysis import TileAnalysis, analyse_on_device, analyse_tiles
 from .arguments import one_of
-from .buffers import DeviceFactors, DeviceGround, DeviceLadder, DevicePatches, DeviceVertices
+from .buffers import DeviceFactors, DeviceGround, DeviceLadder, DeviceVertices
 from .camera import Camera
 from .device import Device
 from .domain import displace_on_device
@@ -27,7 +27,7 @@ from .errors import InputError
 from .grid import TileGrid
 from .heightmap import Heightmap
 from .holes import without_holes_on_device
-from .hull import hull_on_device, patches_on_device
+from .hull import displace_corners, hull_on_device, patches_on_device
 from .ladder import ladder_on_device, measure_tiles
 from .lod import Lod, PromiseLod, Scene, ScreenErrorLod
 from .mesh import Achieved, Mesh, Patches
@@ -77,7 +77,7 @@ class Terrain:
         self._plane = plane
         self._ground = DeviceGround.upload(ground, self.device)
         self._analysis = analyse_on_device(self._ground, self.grid, plane=plane)
-        self._patches = self._displaced_corners()
+        self._patches = patches_on_device(self._ground, self.grid, self._lowest)
 
     def update(self, rows: slice, columns: slice, heights: npt.ArrayLike) -> int:
         """Replace samples of the ground, and analyse the tiles that they touch anew.
@@ -109,23 +109,17 @@ class Terrain:
         self.ground = ground
         analyse_tiles(self._ground, self.grid, self._analysis, tiles, plane=self._plane)
         # corners without data stand at the lowest height there is: all of them may move
-        self._patches = self._displaced_corners()
+        displace_corners(self._ground, self.grid, self._patches, self._lowest)
         if "_ladder" in self.__dict__:
             measure_tiles(self._ground, self.grid, self._analysis, self._ladder, tiles)
         for known in ("analysis", "scene"):
             self.__dict__.pop(known, None)
         return len(tiles)
 
-    def _displaced_corners(self) -> DevicePatches:
-        low, _ = self._height_range
-        return patches_on_device(self._ground, self.grid, fallback=low - self.ground.base)
-
     @property
-    def _height_range(self) -> tuple[float, float]:
-        """Lowest and highest elevation, from the tiles: a raster has hundreds of times as many."""
-        details = self._analysis.details.host()
-        base = self.ground.base
-        return base + float(np.nanmin(details[..., 1])), base + float(np.nanmax(details[..., 2]))
+    def _lowest(self) -> float:
+        """Lowest height above the base, from the tiles: samples are hundreds of times as many."""
+        return float(np.nanmin(self._analysis.details.host()[..., 1]))
 
     @cached_property
     def analysis(self) -> TileAnalysis:
@@ -140,7 +134,8 @@ class Terrain:
     @cached_property
     def scene(self) -> Scene:
         """What levels of detail take their defaults from."""
-        low, high = self._height_range
+        low = float(np.nanmin(self.analysis.minimum))
+        high = float(np.nanmax(self.analysis.maximum))
         known = self.analysis.deviation[~np.isnan(self.analysis.deviation)]
         return Scene(
             diagonal=float(np.hypot(np.hypot(*self.ground.extent), high - low)),

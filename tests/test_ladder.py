@@ -67,7 +67,7 @@ def test_costs_are_the_triangles_that_the_tessellator_makes() -> None:
 
 def test_groups_hold_every_tile_and_only_tiles_of_one_size() -> None:
     grid = tl.Terrain(rough(100, 77), tile=7).grid
-    groups = tile_groups(grid, 8)
+    groups = tile_groups(grid, np.arange(grid.count, dtype=np.int32), 8)
     assert set(groups.ravel()) == set(range(grid.count))
     down, across = np.diff(grid.corner_rows), np.diff(grid.corner_columns)
     for group in groups:
