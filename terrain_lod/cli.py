@@ -22,6 +22,7 @@ from .cli_options import (
     DetailOptions,
     EdgeRule,
     Factor,
+    FormulaEdgeRule,
     Ground,
     GroundOptions,
     LodName,
@@ -99,9 +100,9 @@ def render(
     output: Output,
     style: Literal["shaded", "wireframe", "lod"] = "shaded",
     sun: Sun = None,
-    lod: LodName = "coplanarity",
+    lod: LodName = "screen-error",
     factor: Factor = None,
-    edges: EdgeRule = "min",
+    edges: EdgeRule = None,
     reading: GroundOptions = GroundOptions(),  # noqa: B008
     view: CameraOptions = CameraOptions(),  # noqa: B008
     detail: DetailOptions = DetailOptions(),  # noqa: B008
@@ -122,11 +123,14 @@ def render(
     sun
         Where the light comes from: degrees clockwise from north, degrees above the horizon.
     lod
-        coplanarity: near and rough ground gets more. distance: near ground. uniform: all alike.
+        screen-error, max-error: the fewest triangles within so many pixels or metres, measured.
+        budget: the least error of so many triangles. coplanarity: near and rough ground gets more.
+        distance: near ground does. uniform: all alike.
     factor
         Segments along a tile's edge. Of uniform alone. Default: the cells of a tile.
     edges
-        Factor of an edge between two tiles: the lower of what they want, or the higher.
+        Factor of an edge between two tiles: the lower of what they want, the higher, or by the
+        edge's own error. Default: edge where an error is kept, else min.
     """
     from .graphics import require_graphics
     from .render import render as draw
@@ -159,9 +163,9 @@ def mesh(
     *,
     output: Output,
     cull: Annotated[bool, Parameter(show_default=False)] = False,
-    lod: LodName = "coplanarity",
+    lod: LodName = "screen-error",
     factor: Factor = None,
-    edges: EdgeRule = "min",
+    edges: EdgeRule = None,
     reading: GroundOptions = GroundOptions(),  # noqa: B008
     view: CameraOptions = CameraOptions(),  # noqa: B008
     detail: DetailOptions = DetailOptions(),  # noqa: B008
@@ -178,11 +182,14 @@ def mesh(
     cull
         Leave out patches that the camera does not see.
     lod
-        coplanarity: near and rough ground gets more. distance: near ground. uniform: all alike.
+        screen-error, max-error: the fewest triangles within so many pixels or metres, measured.
+        budget: the least error of so many triangles. coplanarity: near and rough ground gets more.
+        distance: near ground does. uniform: all alike.
     factor
         Segments along a tile's edge. Of uniform alone. Default: the cells of a tile.
     edges
-        Factor of an edge between two tiles: the lower of what they want, or the higher.
+        Factor of an edge between two tiles: the lower of what they want, the higher, or by the
+        edge's own error. Default: edge where an error is kept, else min.
     """
     from .cracks import crack_report
     from .error import vertical_error
@@ -208,7 +215,7 @@ def report(
     /,
     *,
     output: OutputFolder,
-    edges: EdgeRule = "min",
+    edges: FormulaEdgeRule = "min",
     reading: GroundOptions = GroundOptions(),  # noqa: B008
     view: CameraOptions = CameraOptions(),  # noqa: B008
     detail: DetailOptions = DetailOptions(),  # noqa: B008
@@ -279,10 +286,18 @@ app.command(smooth, sort_key=8)
 
 def _counts(mesh: Any) -> str:
     patches = mesh.patches
+    kept = f", {_achieved(mesh.achieved)}" if mesh.achieved else ""
     return (
         f"{len(mesh.triangles):,} triangles, {len(mesh.vertices):,} vertices, "
-        f"{patches.culled_count:,} of {patches.count:,} patches left out"
+        f"{patches.culled_count:,} of {patches.count:,} patches left out{kept}"
     )
+
+
+def _achieved(achieved: Any) -> str:
+    """Say what a promise came to, and whether that is what was asked for."""
+    pixels = "" if achieved.pixels is None else f"{achieved.pixels:.3g} pixels, "
+    missed = "" if achieved.kept else ": the best that this raster and tile can show"
+    return f"within {pixels}{achieved.metres:.3g} m{missed}"
 
 
 @app.meta.default

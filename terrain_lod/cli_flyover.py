@@ -78,7 +78,7 @@ class PathOptions:
         camera: Camera,
         folder: Path,
         lods: list[Lod | PromiseLod],
-        edges: str,
+        edges: str | None,
         **look: Any,
     ) -> None:
         """Write the pictures."""

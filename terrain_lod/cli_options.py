@@ -19,7 +19,7 @@ from .viewpoint import default_camera
 
 if TYPE_CHECKING:
     from .device import Device
-    from .lod import CoplanarityLod, DistanceLod, Lod
+    from .lod import CoplanarityLod, DistanceLod, Lod, PromiseLod
     from .terrain import Terrain
 
 
@@ -137,9 +137,13 @@ def _camera_file(path: Path) -> Camera:
     return Camera(**content)
 
 
-LodName = Annotated[Literal["coplanarity", "distance", "uniform"], Parameter(group=_DETAIL)]
+LodName = Annotated[
+    Literal["screen-error", "max-error", "budget", "coplanarity", "distance", "uniform"],
+    Parameter(group=_DETAIL),
+]
 Factor = Annotated[float | None, Parameter(group=_DETAIL)]
-EdgeRule = Annotated[Literal["min", "max"], Parameter(group=_DETAIL)]
+EdgeRule = Annotated[Literal["min", "max", "edge"] | None, Parameter(group=_DETAIL)]
+FormulaEdgeRule = Annotated[Literal["min", "max"], Parameter(group=_DETAIL)]
 
 
 @Parameter(name="*", group=_DETAIL)
@@ -147,6 +151,12 @@ EdgeRule = Annotated[Literal["min", "max"], Parameter(group=_DETAIL)]
 class DetailOptions:
     """What levels of detail are made with."""
 
+    pixels: float | None = None
+    """Error in the picture: to keep, of screen-error (default: 1); good enough, of budget."""
+    metres: float | None = None
+    """Vertical error: to keep, of max-error; good enough, of budget without --pixels."""
+    triangles: int | None = None
+    """The most triangles. Of budget alone."""
     near: float | None = None
     """Distance with the most detail. Default: 0."""
     far: float | None = None
@@ -159,11 +169,11 @@ class DetailOptions:
     """Exponent of the nearness; more keeps detail closer. Of distance alone. Default: 1."""
     full_deviation: float | None = None
     """Deviation from its plane at which a tile gets all that its distance allows. Of coplanarity
-    alone. Default: what 90 % of the tiles stay below."""
+    alone. Default: what 98 % of the tiles stay below."""
     flat_weight: float | None = None
     """Share of its distance's detail that a flat tile keeps. Of coplanarity alone."""
 
-    def make(self, name: str, tile: int, factor: float | None) -> Lod:
+    def make(self, name: str, tile: int, factor: float | None) -> Lod | PromiseLod:
         """Return the level of detail called `name`, or say which option is not one of its."""
         given = self._given() if factor is None else {"factor": factor, **self._given()}
         for option in given:
@@ -173,7 +183,10 @@ class DetailOptions:
                 raise InputError(f"expected --lod {' or '.join(takers)} with {flag}, got {name}")
         if name == "uniform":
             given.setdefault("factor", whole("tile", tile, 1, MAX_TILE))
-        lod: Lod = _lods()[name](**given)
+        for option in _REQUIRED.get(name, ()):
+            if option not in given:
+                raise InputError(f"expected --{option} with --lod {name}, got none")
+        lod: Lod | PromiseLod = _lods()[name](**given)
         return lod
 
     def both(self) -> tuple[DistanceLod, CoplanarityLod]:
@@ -192,10 +205,21 @@ class DetailOptions:
         return {name: value for name, value in vars(self).items() if value is not None}
 
 
-def _lods() -> dict[str, Any]:
-    from .lod import CoplanarityLod, DistanceLod, UniformLod
+# options without which a level of detail means nothing
+_REQUIRED: Final = {"max-error": ("metres",), "budget": ("triangles",)}
 
-    return {"coplanarity": CoplanarityLod, "distance": DistanceLod, "uniform": UniformLod}
+
+def _lods() -> dict[str, Any]:
+    from . import lod
+
+    return {
+        "screen-error": lod.ScreenErrorLod,
+        "max-error": lod.MaxErrorLod,
+        "budget": lod.BudgetLod,
+        "coplanarity": lod.CoplanarityLod,
+        "distance": lod.DistanceLod,
+        "uniform": lod.UniformLod,
+    }
 
 
 def _lod_options() -> dict[str, list[str]]:

@@ -105,8 +105,15 @@ def test_lods_and_their_options_reach_the_mesh(ground, capsys):
     near = triangles("--lod", "distance", "--near", "1e6", "--far", "2e6")
     assert triangles("--lod", "distance", "--near", "1e6", "--far", "2e6", "--maximum", "5") < near
     assert triangles("--lod", "distance", "--far", "1") < near
-    assert triangles("--flat-weight", "1", "--near", "1e6", "--far", "2e6") == near
-    assert triangles("--edges", "max") > triangles("--edges", "min")
+    flat = ("--lod", "coplanarity", "--flat-weight", "1", "--near", "1e6", "--far", "2e6")
+    assert triangles(*flat) == near
+    coplanarity = ("--lod", "coplanarity", "--edges")
+    assert triangles(*coplanarity, "max") > triangles(*coplanarity, "min")
+    assert triangles("--pixels", "9") < triangles("--lod", "screen-error")
+    assert triangles("--lod", "max-error", "--metres", "9") < triangles(
+        "--lod", "max-error", "--metres", "1"
+    )
+    assert triangles("--lod", "budget", "--triangles", "4000") <= 4000
 
 
 @pytest.mark.parametrize("command", [["report", "in/hills.npy"], ["demo", "in/hills.npy"]])
@@ -282,6 +289,8 @@ def test_bad_ground(ground, capsys, command, name, message):
     ],
 )
 def test_bad_option(ground, capsys, command, options, message):
+    if "--far" in options and command != "report":
+        options = ["--lod", "distance", *options]
     assert message in refused(capsys, command, ground, *COMMANDS[command], *options)
 
 
@@ -294,8 +303,12 @@ def test_bad_option(ground, capsys, command, options, message):
         (["--lod", "uniform", "--factor", "0"], "factor from 1 to 63, got 0"),
         (["--lod", "uniform", "--tile", "64"], "for tile, got 64"),
         (["--lod", "uniform", "--near", "3"], "expected --lod"),
-        (["--factor", "3"], "expected --lod uniform with --factor, got coplanarity"),
-        (["--falloff", "2"], "expected --lod distance with --falloff, got coplanarity"),
+        (["--factor", "3"], "expected --lod uniform with --factor, got screen-error"),
+        (["--falloff", "2"], "expected --lod distance with --falloff, got screen-error"),
+        (["--lod", "max-error"], "expected --metres with --lod max-error, got none"),
+        (["--lod", "max-error", "--metres", "0"], "metres > 0, got 0"),
+        (["--pixels", "nan"], "finite pixels, got nan"),
+        (["--lod", "budget", "--triangles", "3"], "budget of at least"),
         (["--lod", "magic"], '"magic"'),
     ],
 )
