@@ -27,6 +27,8 @@ SPACINGS = {
 }
 DOMAINS = {"quad": "quads", "triangle": "triangles", "isoline": "isolines"}
 
+PACKAGES = "libegl1 libgl1 libgl1-mesa-dri"
+
 FACTORS = 6  # four outer and two inner levels
 BATCH = 300  # patches caught at a time
 DRAW = 15  # patches of a draw: Mesa numbers a draw's points with 16 bits, a patch has up to 65²
@@ -80,7 +82,7 @@ def problem() -> str | None:
     try:
         tessellate("quad", "integer", np.ones((1, 4)), np.ones((1, 2)))
     except OSError as error:
-        return f"no live oracle, install it with  apt-get install libegl1 libgl1-mesa-dri: {error}"
+        return f"no live oracle, install it with  apt-get install {PACKAGES}: {error}"
     return None
 
 
@@ -110,7 +112,9 @@ def answer(domain: str, partitioning: str, factors: np.ndarray):
     """Draw the patches, in the child process."""
     import moderngl
 
-    context = moderngl.create_context(standalone=True, backend="egl", require=430)
+    # by the names that come without development packages
+    libraries = {"libgl": "libGL.so.1", "libegl": "libEGL.so.1"}
+    context = moderngl.create_context(standalone=True, backend="egl", require=430, **libraries)
     renderer = context.info["GL_RENDERER"]
     if "llvmpipe" not in renderer:
         raise OSError(f"expected Mesa's llvmpipe, got {renderer}")
