@@ -32,6 +32,8 @@ CHECKS: Final[Checks] = {
     "pn_edges": checks_pn.check_pn_edges,
     "pn_patches": checks_pn.check_pn_patches,
     "pn_domain": checks_pn.check_pn_domain,
+    "displaced": checks_pn.check_displaced,
+    "decals": checks_pn.check_decals,
     "vertical_error": checks_terrain.check_vertical_error,
     "bandwidth": checks_tessellator.check_bandwidth,
 }

@@ -11,8 +11,10 @@ import numpy.typing as npt
 from .adjacency import Adjacency
 from .camera import Camera
 from .checkup import Check
+from .decals import dent_on_device
 from .device import Device
-from .layout import FIXED_ONE
+from .displaced import displace_on_device, dominant_edges, shared_normals
+from .layout import DECAL, FIXED_ONE
 from .mesh import Mesh
 from .patch_factors import (
     CurvatureFactor,
@@ -31,7 +33,7 @@ from .pn import (
     nets_on_device,
     patch_factors_on_device,
 )
-from .reference import patch_culling, patch_factors, pn
+from .reference import displaced, patch_culling, patch_factors, pn
 
 Array = npt.NDArray[Any]
 
@@ -170,3 +172,55 @@ def check_pn_patches(device: Device) -> Check:
             np.count_nonzero(unlike & (np.abs(back) > _DECIDED) & (np.abs(depth) > _DECIDED))
         )
     return Check(float(wrong), 0.0, "patches")
+
+
+def check_displaced(device: Device) -> Check:
+    """Return the worst difference of positions inside, on edges and at corners."""
+    case, random = _case(), np.random.default_rng(9)
+    patches = len(case.triangles)
+    # inside, the three edges, the three corners
+    third, half = FIXED_ONE // 3, FIXED_ONE // 2
+    u = np.tile([third, 0, half, half, FIXED_ONE, 0, 0], patches)
+    v = np.tile([third, half, 0, half, 0, FIXED_ONE, 0], patches)
+    offsets = np.arange(0, len(u) + 1, 7, dtype=np.uint32)
+    none = device.zeros((0, 3), np.int32)
+    points = device.array(np.stack([u, v], axis=1).astype(np.uint32))
+    pattern = DevicePattern(points, none, device.array(offsets), none)
+    heights = random.uniform(size=(9, 7)).astype(np.float32)
+    textures = random.uniform(-1, 2, (len(case.vertices), 2)).astype(np.float32)
+    shared = shared_normals(case.vertices, case.normals)
+    positions = device.zeros((len(u), 3), np.float32)
+    displace_on_device(
+        case.upload(device), case.adjacency, shared, heights, textures, pattern, positions,
+        scale=0.5, bias=0.1,
+    )  # fmt: skip
+    dominant, expected = dominant_edges(case.adjacency), np.empty((len(u), 3))
+    surface = case.normals64, shared.astype(np.float64), textures.astype(np.float64)
+    for i, (a, b) in enumerate(zip(u, v, strict=True)):
+        weights = np.array([a, b, FIXED_ONE - a - b]) / FIXED_ONE
+        patch = case.adjacency.patches[i // 7], dominant[i // 7]
+        direction, (x, y) = displaced.displacement(*patch, *surface, weights)
+        height = displaced.bilinear(heights, x % 1.0, y % 1.0, repeats=True)
+        expected[i] = direction * (0.1 + 0.5 * height)
+    return Check(float(np.abs(positions.host() - expected).max()), _POSITIONS, "units")
+
+
+def check_decals(device: Device) -> Check:
+    """Return the worst difference of positions under decals that overlap."""
+    random = np.random.default_rng(10)
+    positions = random.uniform(-1, 1, (500, 3)).astype(np.float32)
+    depths = random.uniform(size=(6, 8)).astype(np.float32)
+    records = np.zeros(5, DECAL)
+    for record in records:
+        normal = random.normal(size=3)
+        tangent = np.cross(normal, random.normal(size=3))
+        record["point"] = random.uniform(-1, 1, 3)
+        record["normal"] = normal / np.linalg.norm(normal)
+        record["tangent"] = tangent / np.linalg.norm(tangent)
+        record["radius"], record["scale"], record["bias"] = 0.9, 0.3, 0.1
+    moved = device.array(positions)
+    dent_on_device(moved, records, depths)
+    expected = [
+        displaced.dented(position, records, depths) for position in positions.astype(np.float64)
+    ]
+    return Check(float(np.abs(moved.host() - np.array(expected)).max()), _POSITIONS, "units")

@@ -63,6 +63,18 @@ VIEW: Final = np.dtype(
     ]
 )
 
+# a dent where something hit a mesh, relative to the mesh's origin; normal and tangent unit length
+DECAL: Final = np.dtype(
+    [
+        ("point", np.float32, (3,)),
+        ("normal", np.float32, (3,)),
+        ("tangent", np.float32, (3,)),
+        ("radius", np.float32),
+        ("scale", np.float32),  # depth of a map's 1
+        ("bias", np.float32),
+    ]
+)
+
 CONSTANTS: Final = {
     "FIXED_BITS": FIXED_BITS,
     "FIXED_ONE": FIXED_ONE,
@@ -77,7 +89,7 @@ CONSTANTS: Final = {
     "NET_VECTORS": NET_VECTORS,
     **{name.upper(): number for number, name in enumerate(PARTITIONINGS)},
 }
-STRUCTS: Final = {"Grid": GRID, "View": VIEW}
+STRUCTS: Final = {"Grid": GRID, "View": VIEW, "Decal": DECAL}
 
 _C_NAMES: Final = {"float32": "float", "int32": "int", "uint32": "uint"}
 

@@ -103,7 +103,7 @@ def pn_triangles(
     --------
     >>> smooth = pn_triangles(load_mesh("bunny.ply"), 5)        # doctest: +SKIP
     """
-    _require_curvable(mesh)
+    require_curvable(mesh)
     one_of("normals", normals, NORMALS)
     one_of("partitioning", partitioning, layout.PARTITIONINGS)
     if lod is not None and factor is not None:
@@ -119,13 +119,15 @@ def pn_triangles(
     device = device or Device.open()
     view = np.zeros((), layout.VIEW) if camera is None else camera.view(mesh.origin)
     with device.timed() as timeline:
-        patches = DevicePatchMesh.upload(source.vertices, _unit(source.normals), adjacency, device)
+        patches = DevicePatchMesh.upload(
+            source.vertices, unit_normals(source.normals), adjacency, device
+        )
         nets = nets_on_device(patches)
-        edge_factors = _edge_factors(patches, adjacency, factor, lod, _diagonal(mesh), view)
+        of_edges = edge_factors(patches, adjacency, factor, lod, _diagonal(mesh), view)
         factors = patch_factors_on_device(
             patches,
             nets,
-            edge_factors,
+            of_edges,
             view,
             cull=cull and camera is not None,
             back_cosine=_back_cosine(back_faces, camera),
@@ -156,7 +158,7 @@ def _tessellated(
     )
 
 
-def _edge_factors(
+def edge_factors(
     patches: DevicePatchMesh,
     adjacency: Adjacency,
     factor: float | npt.ArrayLike | None,
@@ -192,7 +194,8 @@ def _back_cosine(back_faces: float | None, camera: Camera | None) -> float | Non
     return back_faces
 
 
-def _require_curvable(mesh: Mesh) -> None:
+def require_curvable(mesh: Mesh) -> None:
+    """Refuse meshes without triangles, or with numbers that are not finite."""
     if not len(mesh.triangles):
         raise InputError("expected triangles to curve, got an empty mesh")
     require_sound(mesh.vertices, mesh.triangles)
@@ -202,7 +205,7 @@ def _require_curvable(mesh: Mesh) -> None:
         raise InputError(f"expected finite normals, got {mesh.normals[vertex]} at vertex {vertex}")
 
 
-def _unit(normals: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+def unit_normals(normals: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
     """Return normals of unit length; zero stays zero, and equal normals stay equal."""
     wide = normals.astype(np.float64)
     lengths = np.linalg.norm(wide, axis=1, keepdims=True)
