@@ -38,8 +38,8 @@ def view(
     """Look at ground: fly over it, and see what its level of detail does.
 
     Drag turns, the wheel goes nearer, w a s d fly, a click tells what is known of a place. Keys:
-    1-6 what is shown, m l p e t f the next mode, LOD, partitioning, edge rule, tessellation,
-    freeze; g fly or orbit, r reset, u reload, c picture, v record, h hide, q quit.
+    1-6 what is shown, m l p e k t f the next mode, LOD, partitioning, edge rule, tile,
+    tessellation, freeze; g fly or orbit, r reset, u reload, c picture, v record, h hide, q quit.
 
     Parameters
     ----------

@@ -6,7 +6,8 @@ middle or shift drag        sideways
 click                       what is known of the ground there
 w a s d, arrows             fly
 1 ... 6                     shaded, wireframe, lod, deviation, error, normals
-m l p e t f                 next mode, LOD, partitioning, edge rule; tessellate, freeze: on or off
+m l p e k                   the next mode, LOD, partitioning, edge rule, tile
+t f                         tessellate, freeze: on or off
 g                           drag flies or orbits
 r u c v h q                 reset the camera, reload the ground, picture, record, hide, quit
 ==========================  ======================================================================

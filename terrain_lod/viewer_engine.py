@@ -40,7 +40,7 @@ class Engine:
         self._request: Request | None = None
         self._chore: Callable[[], None] | None = None
         self._frame: Frame | None = None
-        self._working = False
+        self._working = self._making = False
         self._closed = False
         self._thread = Thread(target=self._run, name="terrain-lod-viewer", daemon=True)
         self._thread.start()
@@ -73,6 +73,11 @@ class Engine:
                 lambda: self._idle() or (self._frame is not None and not measured), seconds
             )
 
+    @property
+    def working(self) -> bool:
+        """Whether a mesh that was asked for is not there yet."""
+        return self._making or self._request is not None
+
     def close(self) -> None:
         """End the thread, after what it is doing."""
         with self._changed:
@@ -86,7 +91,7 @@ class Engine:
     def _run(self) -> None:
         while True:
             with self._changed:
-                self._working = False
+                self._working = self._making = False
                 self._changed.notify_all()
                 self._changed.wait_for(lambda: self._closed or not self._idle())
                 if self._closed:
@@ -94,6 +99,7 @@ class Engine:
                 self._working = True
                 request, self._request = self._request, None
                 chore, self._chore = self._chore, None
+                self._making = request is not None
             self._attempt(chore, request)
 
     def _attempt(self, chore: Callable[[], None] | None, request: Request | None) -> None:
@@ -123,5 +129,5 @@ class Engine:
 
     def _publish(self, frame: Frame) -> None:
         with self._changed:
-            self._frame = frame
+            self._frame, self._making = frame, False
             self._changed.notify_all()

@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, Final
 
-from .arguments import finite, one_of
+from .arguments import finite, one_of, whole
 from .errors import InputError
 from .layout import DEFAULT_TILE, MAX_TILE, PARTITIONINGS
 from .lod import (
@@ -53,6 +53,7 @@ CHOICES: Final = (
     Choice("lod", "l", LODS),
     Choice("partitioning", "p", tuple(PARTITIONINGS)),
     Choice("edges", "e", ("edge", "min", "max")),
+    Choice("tile", "k", (7, 15, 31, 63)),
     Choice("tessellated", "t", (True, False)),
     Choice("frozen", "f", (False, True)),
 )
@@ -122,7 +123,6 @@ def sliders(diagonal: float) -> tuple[Slider, ...]:
         Slider("falloff", "falloff", 0.25, 8.0, ("distance",), logarithmic=True),
         Slider("flat_weight", "weight of flat", 0.0, 1.0, ("coplanarity",)),
         Slider("factor", "factor", 1.0, MAX_TILE, ("uniform",)),
-        Slider("tile", "tile, cells", 3, MAX_TILE, whole=True),
         Slider("azimuth", "sun from", 0.0, 360.0),
         Slider("elevation", "sun above", 0.0, 90.0),
     )
@@ -180,14 +180,18 @@ class Settings:
     def changed(self, name: str, value: Any) -> Settings:
         """Return these settings with one of them changed, and its opposite made room for.
 
+        Numbers are held in their sliders' ranges.
+
         Raises
         ------
         InputError
-            If there is no such setting, or no such choice; numbers are held in their range.
+            If there is no such setting, or it cannot have that value.
         """
         for choice in CHOICES:
             if choice.name == name and isinstance(choice.values[0], str):
                 one_of(name, value, choice.values)
+        if name == "tile":
+            value = whole(name, value, 1, MAX_TILE)
         for slider in sliders(self.diagonal):
             if slider.name == name:
                 value = slider.nearest(value)
@@ -206,7 +210,8 @@ class Settings:
         """Return these settings with the next value of a choice."""
         values = next(choice.values for choice in CHOICES if choice.name == name)
         value = getattr(self, name)
-        return self.changed(name, values[(values.index(value) + 1) % len(values)])
+        after = values.index(value) + 1 if value in values else 0
+        return self.changed(name, values[after % len(values)])
 
     @property
     def sliders(self) -> tuple[Slider, ...]:

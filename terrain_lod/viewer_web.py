@@ -18,7 +18,11 @@ from .viewer_settings import CHOICES, Settings, Slider, sliders
 from .viewer_window import Window
 
 _PERIOD: Final = 0.03  # seconds between two looks for something new
-_LABELS: Final = {"lod": "level of detail", "edges": "factor of shared edges"}
+_LABELS: Final = {
+    "lod": "level of detail",
+    "edges": "factor of shared edges",
+    "tile": "cells along a tile",
+}
 
 
 def serve(

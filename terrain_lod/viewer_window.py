@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 _FRUSTUM: Final = (0.95, 0.80, 0.10)
 _MARK: Final = (0.95, 0.10, 0.60)
 _TEXT_SIZE: Final = 14
+# a new mesh that comes this soon is worth waiting for: drawing the old one would hold it up
+_PATIENCE: Final = 0.1  # seconds
 _LOOK_AFTER: Final = 1.0  # seconds between looks at the ground's file
 
 
@@ -84,10 +86,12 @@ class Window:
         self._asked = 0
         self._problem: str | None = None
         self._looked = perf_counter()
+        self._waiting: float | None = None  # since when there is something to draw
         self._origin = np.zeros(3)
         self._ground = model.ground
         self._surface = self._add(pyvista.PolyData(np.zeros((1, 3), np.float32)), color="white")
         self._surface.mapper.scalar_visibility = True
+        self._surface.prop.interpolation = "Flat"  # colours are lit already: no normals
         self._frustum = self._add(pyvista.PolyData(np.zeros((1, 3))), color=_FRUSTUM, line_width=2)
         self._mark = self._add(
             pyvista.PolyData(np.zeros((1, 3))),
@@ -161,6 +165,9 @@ class Window:
         self._listen()
         if not self._dirty or min(self.size) < 1:
             return False
+        self._waiting = self._waiting or perf_counter()
+        if frame is None and self.engine.working and perf_counter() - self._waiting < _PATIENCE:
+            return False
         self.draw()
         return True
 
@@ -176,7 +183,7 @@ class Window:
 
     def draw(self) -> None:
         """Draw what is there."""
-        self._dirty = False
+        self._dirty, self._waiting = False, None
         begun = perf_counter()
         camera: Any = self.plotter.camera
         stand(camera, self.camera, self._origin)

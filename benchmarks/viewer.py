@@ -1,0 +1,177 @@
+"""The viewer: how soon a moved camera has its mesh on screen, and whether anything wears it out.
+
+    python benchmarks/viewer.py [--frames 60]         a flight, each time printed apart
+    python benchmarks/viewer.py --events 1000         sliders, keys, mouse, resizes, reloads
+
+Off screen, so that drawing is all that a window would do but showing.
+"""
+
+from __future__ import annotations
+
+import argparse
+import resource
+from collections.abc import Callable
+from pathlib import Path
+from statistics import median
+from time import perf_counter, sleep
+from typing import Any
+
+import numpy as np
+
+import terrain_lod as tl
+from terrain_lod.camera_path import flyover
+from terrain_lod.viewer_camera import Rig
+from terrain_lod.viewer_controls import Controls
+from terrain_lod.viewer_model import Model
+from terrain_lod.viewer_settings import CHOICES, MODES
+from terrain_lod.viewer_window import Window
+
+KEYS = (*"123456mlpektfgrhwasd", "Up", "Down", "Left", "Right", "F13")
+
+
+def flight(window: Window, controls: Controls, frames: int) -> None:
+    """Fly, wait for each mesh, and print medians and the longest time that input had to wait."""
+    cameras = flyover(window.model.ground, frames, size=window.size)
+    times: dict[str, list[float]] = {}
+    for number, camera in enumerate(cameras):
+        begun = perf_counter()
+        longest = took(lambda camera=camera: window.drive(Rig.of(camera)))
+        wanted = window._asked
+        while window.frame is None or window.frame.request.number < wanted:
+            longest = max(longest, took(controls.pump))
+            sleep(0.001)
+        frame = window.frame
+        if number:  # the first builds kernels
+            row = {
+                "camera move to new mesh on screen": perf_counter() - begun,
+                "  engine": frame.engine_seconds,
+                "  of which device": sum(frame.mesh.timings.values()),
+                "  colours": frame.paint_seconds,
+                "  drawing": window.draw_seconds,
+                "longest wait of input": longest,
+                "triangles": len(frame.mesh.triangles),
+            }
+            for name, value in row.items():
+                times.setdefault(name, []).append(value)
+    counts = times.pop("triangles")
+    width, height = window.size
+    print(f"{frames} moves, {width} x {height}, {median(counts):,.0f} triangles (median)")
+    for name, values in times.items():
+        print(
+            f"{name:36} median {1e3 * median(values):6.1f} ms, longest {1e3 * max(values):6.1f} ms"
+        )
+
+
+def took(action: Callable[[], Any]) -> float:
+    """Return how long something takes, in seconds."""
+    begun = perf_counter()
+    action()
+    return perf_counter() - begun
+
+
+def event(controls: Controls, rng: np.random.Generator) -> None:
+    """Do something that a user might, through VTK's own events."""
+    window, interactor = controls.window, controls.window.plotter.iren.interactor
+    x, y = (int(value) for value in rng.integers(0, 700, 2))
+    match rng.integers(0, 10):
+        case 0 | 1:
+            interactor.SetKeySym(str(rng.choice(KEYS)))
+            interactor.InvokeEvent("KeyPressEvent")
+        case 2 | 3 | 4:
+            button = str(rng.choice(("Left", "Middle", "Right")))
+            interactor.SetEventPosition(x, y)
+            interactor.InvokeEvent(f"{button}ButtonPressEvent")
+            for _ in range(rng.integers(0, 4)):
+                x, y = x + int(rng.integers(-90, 90)), y + int(rng.integers(-90, 90))
+                interactor.SetEventPosition(x, y)
+                interactor.InvokeEvent("MouseMoveEvent")
+                controls.pump()
+            interactor.InvokeEvent(f"{button}ButtonReleaseEvent")
+        case 5:
+            way = str(rng.choice(("Forward", "Backward")))
+            interactor.InvokeEvent(f"MouseWheel{way}Event")
+        case 6 | 7:
+            slide(controls, str(rng.choice(list(controls.widgets))), float(rng.random()))
+        case 8:
+            choice = CHOICES[rng.integers(0, len(CHOICES))]
+            window.change(choice.name, choice.values[rng.integers(0, len(choice.values))])
+        case 9:
+            resize_or_reload(controls, rng)
+    controls.pump()
+
+
+def slide(controls: Controls, name: str, share: float) -> None:
+    """Move a slider to a share of its range."""
+    widget = controls.widgets[name]
+    shape = widget.GetRepresentation()
+    low, high = shape.GetMinimumValue(), shape.GetMaximumValue()
+    shape.SetValue(low + share * (high - low))
+    widget.InvokeEvent("InteractionEvent")
+
+
+def resize_or_reload(controls: Controls, rng: np.random.Generator) -> None:
+    """Give the window another size, read the ground again, or drive the camera far away."""
+    window = controls.window
+    match rng.integers(0, 3):
+        case 0:
+            width, height = (int(value) for value in rng.integers(1, 900, 2))
+            window.plotter.render_window.SetSize(width, height)
+        case 1:
+            controls.press("u")
+        case 2:
+            far = float(rng.choice((1e9, -1e9, 1e4)))
+            window.drive(window.rig.fly(far, far))
+
+
+def stress(window: Window, controls: Controls, count: int) -> None:
+    """Do so many events, and print what memory does."""
+    rng = np.random.default_rng(6)
+    marks, shown = {}, set()
+    for number in range(1, count + 1):
+        event(controls, rng)
+        if number % 10 == 0:
+            shown.add(window.settle().request.settings.mode)
+        if number in (100, count // 2, count):
+            # the same view each time, so that what is left is what was not given back
+            window.apply(window.model.settings())
+            window.drive(window.home)
+            window.plotter.render_window.SetSize(800, 600)
+            window.settle(measured=True)
+            marks[number] = resident()
+            print(f"after {number:5} events {marks[number] / 2**20:8.1f} MiB resident")
+    first, last = marks[min(marks)], marks[max(marks)]
+    print(f"grown by {100 * (last / first - 1):.1f} %; {len(shown)} of {len(MODES)} modes shown")
+
+
+def resident() -> int:
+    """Return the bytes that this process holds in memory."""
+    status = Path("/proc/self/statm")
+    if status.exists():
+        return int(status.read_text().split()[1]) * resource.getpagesize()
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+
+
+def main() -> None:
+    """Run what is asked for."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--ground", default="ridge", choices=tl.sample_names())
+    parser.add_argument("--size", type=int, nargs=2, default=(1920, 1080))
+    parser.add_argument("--lod", default="screen-error")
+    parser.add_argument("--frames", type=int, default=60)
+    parser.add_argument("--events", type=int, default=0)
+    options = parser.parse_args()
+    model = Model(lambda: tl.sample(options.ground))
+    camera = tl.default_camera(model.ground, size=tuple(options.size))
+    window = Window(model, camera, off_screen=True)
+    window.change("lod", options.lod)
+    controls = Controls(window)
+    window.settle()
+    if options.events:
+        stress(window, controls, options.events)
+    else:
+        flight(window, controls, options.frames)
+    window.close()
+
+
+if __name__ == "__main__":
+    main()
