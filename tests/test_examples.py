@@ -1,0 +1,26 @@
+"""Every example runs as it stands, in an empty folder, and makes what it says."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from terrain_lod.graphics import graphics_problem
+
+EXAMPLES = sorted((Path(__file__).parent.parent / "examples").glob("*.py"))
+
+ARGUMENTS = {"render_flyover": ["flight", "--frames", "2", "--size", "320", "160"]}
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
+def test_example(example: Path, tmp_path: Path) -> None:
+    if "render" in example.read_text(encoding="utf-8") and graphics_problem():
+        pytest.skip(f"3-D pictures cannot be drawn here: {graphics_problem()}")
+    command = [sys.executable, "-W", "error", str(example), *ARGUMENTS.get(example.stem, ())]
+    ran = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert ran.returncode == 0, ran.stderr
+    assert ran.stdout
+    assert 10 <= len(example.read_text(encoding="utf-8").splitlines()) <= 60
