@@ -23,6 +23,7 @@ from .heightmap import Heightmap
 _STEEPEST: Final = 89.5  # degrees; at 90 up would be along the view
 _NEAREST, _FARTHEST = 1e-4, 4.0  # distance to the target, in diagonals of the ground
 _REACH: Final = 4.0  # how far the eye goes from the middle of the ground, in diagonals
+_BEYOND: Final = 1e15  # world units
 _CLEARANCE: Final = 5e-4  # between eye and ground, in diagonals
 
 
@@ -108,17 +109,17 @@ class Rig:
         """Return the rig kept above the ground, near enough to see it, and never upside down."""
         diagonal = float(np.hypot(*ground.extent))
         distance = min(max(self.distance, _NEAREST * diagonal), _FARTHEST * diagonal)
-        # what is beyond all numbers starts again over the middle of the ground
-        target = self.target if np.isfinite(self.target).all() else ground.centre
+        # what is no number, or beyond all distances, starts again over the middle of the ground
+        known = all(abs(value) < _BEYOND for value in self.target)
         held = replace(
             self,
-            target=target,
+            target=self.target if known else ground.centre,
             distance=distance if math.isfinite(distance) else diagonal,
             heading=self.heading % 360.0 if math.isfinite(self.heading) else 0.0,
             pitch=_steep(self.pitch) if math.isfinite(self.pitch) else -45.0,
         )
         centre, eye = np.array(ground.centre), np.array(held.eye)
-        away = float(np.linalg.norm(eye - centre))
+        away = math.dist(eye, centre)
         if away > _REACH * diagonal:
             eye = centre + (eye - centre) * (_REACH * diagonal / away)
         floor = height_at(ground, eye[0], eye[1]) + _CLEARANCE * diagonal

@@ -1,0 +1,357 @@
+"""The viewer without a window: settings, the driven camera, what is shown, and the thread."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import fields, replace
+from itertools import pairwise
+from threading import Event
+
+import numpy as np
+import pytest
+from grounds import holed, plane, rough
+from hypothesis import given
+from hypothesis import strategies as st
+
+from terrain_lod import Camera, Heightmap, UniformLod, default_camera
+from terrain_lod.errors import FileError, GraphicsError, InputError
+from terrain_lod.viewer import require_display
+from terrain_lod.viewer_camera import Rig, height_at
+from terrain_lod.viewer_engine import Engine
+from terrain_lod.viewer_model import Model, Request, frustum
+from terrain_lod.viewer_settings import CHOICES, LODS, MODES, Settings, sliders
+
+SETTINGS = Settings(diagonal=1000.0)
+ORIGIN = (500_000.0, 4_000_000.0)
+
+
+def a_camera(ground, size=(320, 200)):
+    return default_camera(ground, size=size)
+
+
+# settings
+
+
+def test_every_control_is_a_setting():
+    names = {field.name for field in fields(Settings)}
+    assert {choice.name for choice in CHOICES} <= names
+    assert {slider.name for slider in sliders(1000.0)} <= names
+    keys = [choice.key for choice in CHOICES]
+    assert len(set(keys)) == len(keys)
+    for choice in CHOICES:
+        assert getattr(SETTINGS, choice.name) in choice.values
+
+
+@given(st.sampled_from([s.name for s in sliders(1000.0)]), st.floats(allow_nan=False), st.data())
+def test_any_slider_anywhere_gives_a_level_of_detail(name, value, data):
+    lod = data.draw(st.sampled_from(LODS))
+    if math.isinf(value):
+        with pytest.raises(InputError, match="finite"):
+            SETTINGS.changed(name, value)
+        return
+    settings = SETTINGS.changed("lod", lod).changed(name, value)
+    slider = next(slider for slider in sliders(1000.0) if slider.name == name)
+    assert slider.low <= getattr(settings, name) <= slider.high
+    settings.detail()  # raises where near and far, or minimum and maximum, cross
+
+
+def test_sliders_that_matter_and_their_scale():
+    names = [slider.name for slider in SETTINGS.changed("lod", "coplanarity").sliders]
+    assert names == ["near", "far", "minimum", "maximum", "flat_weight", "azimuth", "elevation"]
+    for slider in sliders(1000.0):
+        assert slider.of_scale(slider.on_scale(slider.high)) == pytest.approx(slider.high)
+
+
+def test_choices_go_round_and_refuse_what_they_do_not_know():
+    settings = SETTINGS
+    for _ in MODES:
+        settings = settings.next("mode")
+    assert settings == SETTINGS
+    assert SETTINGS.changed("tile", 12).next("tile").tile == 7
+    with pytest.raises(InputError, match="expected one of shaded"):
+        SETTINGS.changed("mode", "cubist")
+    with pytest.raises(InputError, match="unknown setting 'colour'"):
+        SETTINGS.changed("colour", "red")
+    with pytest.raises(InputError, match="from 1 to 63 for tile"):
+        SETTINGS.changed("tile", 64)
+
+
+def test_edge_rule_and_tessellation_follow_the_level_of_detail():
+    assert SETTINGS.edge_rule == "edge"
+    assert SETTINGS.changed("lod", "distance").edge_rule == "min"
+    assert SETTINGS.changed("lod", "distance").changed("edges", "max").edge_rule == "max"
+    flat = SETTINGS.changed("tessellated", False)
+    assert flat.detail() == UniformLod(1.0)
+    assert flat.edge_rule == "min"
+
+
+# the driven camera
+
+
+def test_rig_stands_where_its_camera_does():
+    camera = Camera((10.0, -50.0, 30.0), (0.0, 0.0, 5.0), fov=40.0, size=(64, 48))
+    again = Rig.of(camera).camera((64, 48))
+    assert again.eye == pytest.approx(camera.eye)
+    assert again.target == pytest.approx(camera.target)
+    assert again.fov == 40.0
+
+
+def test_rig_moves_as_its_names_say():
+    rig = Rig((0.0, 0.0, 0.0), 10.0, heading=0.0, pitch=-45.0, fov=60.0)  # south, looks north
+    x, y, z = rig.eye
+    assert (x, y, z) == pytest.approx((0, -(50**0.5), 50**0.5))
+    assert rig.orbit(90.0, 0.0).eye == pytest.approx((50**0.5, 0, 50**0.5), abs=1e-9)  # east
+    assert rig.orbit(0.0, 44.0).eye[2] > z
+    assert rig.orbit(30.0, 10.0).target == rig.target
+    assert rig.look(90.0, 0.0).eye == pytest.approx(rig.eye)
+    assert rig.look(90.0, 0.0).forward == pytest.approx((0.5**0.5, 0, -(0.5**0.5)), abs=1e-9)
+    assert math.dist(rig.zoom(2.0).eye, rig.target) == pytest.approx(5.0)
+    assert rig.fly(0.0, 3.0).eye == pytest.approx((3.0, y, z))
+    assert rig.pan(0.1, 0.0).target == pytest.approx((1.0, 0.0, 0.0))
+
+
+numbers = st.floats(allow_nan=True, allow_infinity=True)
+
+
+@given(st.tuples(numbers, numbers, numbers), numbers, numbers, numbers)
+def test_camera_driven_anywhere_stays_above_the_ground_and_near_it(target, distance, heading, pitch):
+    ground = GROUND
+    rig = Rig(target, distance, heading, pitch, fov=60.0).within(ground)
+    x, y, z = rig.eye
+    assert z > height_at(ground, x, y)
+    diagonal = float(np.hypot(*ground.extent))
+    assert math.dist(rig.eye, ground.centre) < 4.1 * diagonal + 2000
+    rig.camera((0, 0)).axes  # noqa: B018  a camera that is none would raise
+
+
+GROUND = rough(60, 80, spacing=(30.0, 20.0), origin=ORIGIN, base=2000.0)
+
+
+def test_height_is_bilinear_clamped_and_lowest_in_holes():
+    ground = plane(2.0, -3.0, spacing=(10.0, 5.0), origin=ORIGIN, base=100.0)
+    assert height_at(ground, ORIGIN[0] + 25.0, ORIGIN[1] - 7.5) == pytest.approx(100 + 5 - 4.5)
+    assert height_at(ground, ORIGIN[0] - 1e9, ORIGIN[1] + 1e9) == pytest.approx(100.0)
+    hole = Heightmap([[9.0, np.nan], [9.0, 7.0]])
+    assert height_at(hole, 1.0, 0.0) == 7.0
+
+
+# what is shown
+
+
+@pytest.fixture(scope="module")
+def model():
+    return Model(lambda: rough(121, 107, spacing=30.0, origin=ORIGIN))
+
+
+@pytest.mark.parametrize("lod", LODS)
+@pytest.mark.parametrize("mode", MODES)
+def test_every_mode_paints_every_triangle(model, mode, lod):
+    settings = model.settings().changed("lod", lod).changed("mode", mode)
+    frame = model.frame(Request(a_camera(model.ground), settings))
+    mesh = frame.mesh
+    assert len(frame.paint.colours) in (len(mesh.vertices), len(mesh.triangles))
+    assert frame.paint.colours.dtype == np.uint8
+    assert (frame.paint.texture is not None) == (mode == "error")
+    text = "\n".join(frame.lines())
+    assert f"{len(mesh.triangles):,} triangles" in text
+    assert f"{mesh.patches.culled_count:,} culled" in text
+
+
+def test_colours_stand_for_what_their_mode_says(model):
+    camera, settings = a_camera(model.ground), model.settings().changed("lod", "uniform")
+    settings = settings.changed("factor", 3.0)
+
+    def painted(mode):
+        return model.frame(Request(camera, settings.changed("mode", mode)))
+
+    normals = painted("normals")
+    up = normals.mesh.normals[:, 2]
+    assert normals.paint.colours[:, 2] == pytest.approx(255 * (0.5 + 0.5 * up), abs=0.51)
+
+    deviation = painted("deviation")
+    patches = deviation.mesh.patches
+    drawn = np.flatnonzero(patches.drawn)
+    brightness = np.zeros(patches.count)
+    np.maximum.at(
+        brightness, deviation.mesh.triangle_patches, deviation.paint.colours.sum(axis=1)
+    )
+    order = drawn[np.argsort(patches.deviation[drawn])]
+    assert brightness[order[-1]] > 1.5 * brightness[order[0]]
+
+    error = painted("error").paint.texture.astype(int)
+    field = model.measured(painted("error"))
+    assert error.shape[:2] == model.ground.shape
+    assert (error[..., 0] > error[..., 2] + 60).any()  # red: above
+    assert (error[..., 2] > error[..., 0] + 60).any()  # blue: below
+    assert field.error.metres > 0
+
+
+def test_sun_lights_the_slopes_that_face_it():
+    model = Model(lambda: plane(3.0, 0.0, spacing=5.0))  # rises to the east, so it faces west
+    settings, camera = model.settings().changed("lod", "uniform"), a_camera(model.ground)
+    west, east = (
+        model.frame(Request(camera, settings.changed("azimuth", azimuth))).paint.colours.mean()
+        for azimuth in (270.0, 90.0)
+    )
+    assert west > 1.3 * east
+
+
+def test_error_is_measured_where_the_mesh_does_not_bring_it(model):
+    camera, settings = a_camera(model.ground), model.settings()
+    promised = model.frame(Request(camera, settings))
+    assert promised.error.pixels <= 1.0
+    assert model.measured(promised) is promised
+    frame = model.frame(Request(camera, settings.changed("lod", "uniform").changed("factor", 2.0)))
+    assert frame.error is None
+    assert "being measured" in "\n".join(frame.lines())
+    measured = model.measured(frame)
+    assert measured.error.metres > 0
+    assert f"{measured.error.metres:.3g} m" in "\n".join(measured.lines())
+
+
+def test_a_pick_tells_tile_factors_plane_and_height(model):
+    ground = model.ground
+    frame = model.frame(Request(a_camera(ground), model.settings().changed("lod", "coplanarity")))
+    row, column = 100, 50  # of the raster
+    x, y = ORIGIN[0] + 30.0 * column, ORIGIN[1] - 30.0 * row
+    pick = frame.pick(x, y)
+    assert pick.tile == (100 // 15, 50 // 15)
+    assert pick.point[2] == pytest.approx(float(ground.heights[row, column]) + ground.base)
+    index = pick.tile[0] * frame.mesh.patches.shape[1] + pick.tile[1]
+    assert pick.edge_factors == pytest.approx(tuple(frame.mesh.patches.edge_factors[index]))
+    assert pick.deviation == pytest.approx(float(frame.terrain.analysis.deviation[pick.tile]))
+    assert np.linalg.norm(pick.normal) == pytest.approx(1.0, abs=1e-5)
+    assert frame.pick(*ORIGIN).tile == (0, 0)
+    x, y = ORIGIN[0] + ground.extent[0], ORIGIN[1] - ground.extent[1]
+    assert frame.pick(x, y).tile == tuple(extent - 1 for extent in frame.mesh.patches.shape)
+    with pytest.raises(InputError, match="point on the ground"):
+        frame.pick(x + 1.0, y)
+
+
+def test_holes_and_empty_views_are_frames_too():
+    model = Model(lambda: holed(61, 61))
+    settings, camera = model.settings(), a_camera(model.ground)
+    away = replace(camera, target=(camera.eye[0], camera.eye[1] - 10.0, camera.eye[2] + 9.0))
+    for mode in MODES:
+        model.frame(Request(camera, settings.changed("mode", mode)))
+        empty = model.frame(Request(away, settings.changed("mode", mode)))
+        assert len(empty.mesh.triangles) == 0
+
+
+def test_frustum_has_the_pictures_corners():
+    camera = Camera((0.0, -10.0, 5.0), (0.0, 0.0, 0.0), size=(200, 100))
+    eye, *corners = frustum(camera, 7.0)
+    assert tuple(eye) == camera.eye
+    pixels, depth = camera.project(corners)
+    assert depth == pytest.approx([7.0] * 4)
+    assert pixels == pytest.approx(
+        np.array([[0, 100], [200, 100], [200, 0], [0, 0]], float), abs=1e-9
+    )
+
+
+# the ground's file
+
+
+def test_a_file_that_changes_or_goes_is_told_once(tmp_path):
+    path = tmp_path / "ground.npy"
+    np.save(path, np.arange(64.0).reshape(8, 8))
+    model = Model(lambda: Heightmap(np.load(path)), path=path)
+    assert model.news() is None
+    np.save(path, np.arange(81.0).reshape(9, 9))
+    assert "has changed" in model.news()
+    assert model.news() is None
+    model.reload()
+    assert model.ground.shape == (9, 9)
+    path.unlink()
+    assert "is gone" in model.news()
+    assert model.news() is None
+
+
+# the thread
+
+
+def test_only_the_newest_request_is_made_next(model):
+    begun, go_on, made = Event(), Event(), []
+
+    class Slow:
+        def frame(self, request):
+            made.append(request)
+            begun.set()
+            assert go_on.wait(30)
+            return frame
+
+        def measured(self, frame):
+            return frame
+
+    frame = model.frame(Request(a_camera(model.ground), model.settings()))
+    engine = Engine(Slow())
+    try:
+        requests = [replace(frame.request, number=number) for number in range(5)]
+        engine.ask(requests[0])
+        assert begun.wait(30)
+        assert engine.working
+        for request in requests[1:]:
+            engine.ask(request)
+        assert engine.take() is None
+        go_on.set()
+        assert engine.wait(30, measured=True)
+        assert [request.number for request in made] == [0, 4]
+        assert engine.take() is frame
+        assert engine.take() is None
+        assert not engine.working
+    finally:
+        engine.close()
+
+
+@pytest.mark.parametrize(
+    ("error", "line"),
+    [
+        (FileError("cannot read dem.tif:\n gone"), "cannot read dem.tif: gone"),
+        (MemoryError(), "MemoryError"),
+        (ZeroDivisionError("no"), "ZeroDivisionError: no"),
+    ],
+)
+def test_what_cannot_be_made_is_one_line_and_the_thread_lives_on(model, error, line):
+    frame = model.frame(Request(a_camera(model.ground), model.settings()))
+    failures = [error]
+
+    class Failing:
+        def frame(self, request):
+            if failures:
+                raise failures.pop()
+            return frame
+
+        def measured(self, frame):
+            return frame
+
+    engine = Engine(Failing())
+    try:
+        engine.ask(frame.request)
+        assert engine.wait(30, measured=True)
+        assert engine.problem == line
+        engine.ask(frame.request)
+        assert engine.wait(30, measured=True)
+        assert engine.problem is None
+        assert engine.take() is frame
+    finally:
+        engine.close()
+
+
+@pytest.mark.parametrize("display", [None, ":4711"])
+def test_no_display_names_the_ways_without_one(monkeypatch, display):
+    monkeypatch.setattr("sys.platform", "linux")
+    if display is None:
+        monkeypatch.delenv("DISPLAY", raising=False)
+    else:
+        monkeypatch.setenv("DISPLAY", display)
+    with pytest.raises(GraphicsError, match="use --off-screen or --web"):
+        require_display()
+
+
+def test_lod_is_monotonic_in_its_slider(model):
+    camera = a_camera(model.ground)
+    counts = [
+        len(model.frame(Request(camera, model.settings().changed("pixels", pixels))).mesh.triangles)
+        for pixels in (0.5, 2.0, 8.0)
+    ]
+    assert all(more > fewer for more, fewer in pairwise(counts))
