@@ -8,7 +8,15 @@ from __future__ import annotations
 
 from typing import Final
 
-from . import checks_pn, checks_promise, checks_surfaces, checks_terrain, checks_tessellator
+from . import (
+    checks_amplify,
+    checks_pn,
+    checks_promise,
+    checks_queries,
+    checks_surfaces,
+    checks_terrain,
+    checks_tessellator,
+)
 from .checkup import Checks
 
 CHECKS: Final[Checks] = {
@@ -34,6 +42,9 @@ CHECKS: Final[Checks] = {
     "pn_domain": checks_pn.check_pn_domain,
     "displaced": checks_pn.check_displaced,
     "decals": checks_pn.check_decals,
+    "amplify": checks_amplify.check_amplify,
     "vertical_error": checks_terrain.check_vertical_error,
+    "queries_ground": checks_queries.check_queries_ground,
+    "queries_mesh": checks_queries.check_queries_mesh,
     "bandwidth": checks_tessellator.check_bandwidth,
 }

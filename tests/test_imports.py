@@ -33,16 +33,19 @@ ROOMS = {
     "device": ("device sources linker elf_linker buffers scan queues pattern_room", "values"),
     # arrows of the diagram in terrain.py, and their like for surfaces; they do not know each other
     "stages": (
-        "analysis ladder hull selection tessellator semi_uniform domain holes pn",
+        "analysis ladder hull selection tessellator semi_uniform domain holes queries_ground pn",
         "values device",
     ),
     # put stages one after the other
     "chains": (
-        "terrain promise smooth bezier surfaces curves uniform_quads",
+        "terrain promise smooth amplify displaced decals bezier surfaces curves uniform_quads",
         "values files meshes device stages",
     ),
     # take a mesh to a number or a picture
-    "sinks": ("error screen_error graphics render", "values meshes device reference"),
+    "sinks": (
+        "error screen_error queries_mesh graphics render pattern_*",
+        "values meshes device reference",
+    ),
     # many meshes to a page, or to a window
     "reports": ("report* demo viewer*", "values files meshes device chains sinks"),
     # know everything; nothing imports them
