@@ -78,6 +78,27 @@ def table(columns: Sequence[str], rows: Iterable[Row]) -> str:
     return "\n".join([*lines, "</tbody></table></div>"])
 
 
+def listing(heads: Sequence[str], lines: Iterable[Sequence[str]], *, words: int = 1) -> str:
+    """Return lines of texts under their heads; all but the first `words` columns are numbers."""
+
+    def cells(tag: str, texts: Sequence[str], more: str = "") -> str:
+        looks = [""] * words + [' class="n"'] * (len(texts) - words)
+        return "".join(
+            f"<{tag}{look}{more}>{escape(text)}</{tag}>"
+            for look, text in zip(looks, texts, strict=True)
+        )
+
+    head = cells("th", heads, ' scope="col"')
+    rows = (f"<tr>{cells('td', line)}</tr>" for line in lines)
+    return "\n".join(
+        [
+            '<div class="scroll"><table class="list">',
+            f"<thead><tr>{head}</tr></thead>",
+            *("<tbody>", *rows, "</tbody></table></div>"),
+        ]
+    )
+
+
 def definitions(pairs: Iterable[tuple[str, str]]) -> str:
     """Return names and what they stand for."""
     lines = [f"<dt>{escape(name)}</dt><dd>{escape(text)}</dd>" for name, text in pairs]

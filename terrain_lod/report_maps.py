@@ -25,7 +25,7 @@ Values = npt.NDArray[Any]
 _LARGEST: Final = 800  # pixels along a side of a map; larger rasters are thinned
 _NOTHING: Final = "0.87"  # grey where no patch is drawn
 
-_STYLE: Final = {
+STYLE: Final = {
     "svg.hashsalt": "terrain_lod",  # the same names in the file every time
     "font.family": "DejaVu Sans",
     "font.size": 9,
@@ -46,7 +46,7 @@ def save_maps(comparison: Comparison, path: Path) -> Path:
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
 
-    with mpl.rc_context(_STYLE):
+    with mpl.rc_context(STYLE):
         sheet = _Sheet.over(comparison.terrain.ground)
         figure = Figure(figsize=sheet.figure_size, layout="constrained")
         FigureCanvasSVG(figure)

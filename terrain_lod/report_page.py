@@ -77,7 +77,7 @@ def page(
             ]
         ),
         footer=escape(f"Made by terrain_lod {version}. The same numbers: report.json, report.csv."),
-        ramp=_css_ramp(),
+        ramp=css_ramp(),
     )
 
 
@@ -92,7 +92,7 @@ def _subtitle(comparison: Comparison) -> str:
     )
 
 
-def _css_ramp() -> str:
+def css_ramp() -> str:
     return ", ".join(
         f"rgb({', '.join(str(round(255 * channel)) for channel in colour)}) {position:.0%}"
         for position, *colour in LOD_STOPS

@@ -73,7 +73,11 @@ def screen_error(
     -------
     ScreenError
     """
-    errors = _error_field(mesh, ground, device)
+    return seen_error(_error_field(mesh, ground, device), ground, camera)
+
+
+def seen_error(errors: npt.NDArray[np.float32], ground: Heightmap, camera: Camera) -> ScreenError:
+    """Return what :func:`screen_error` does, from a field of vertical errors (R, C)."""
     rows, columns = np.nonzero(~np.isnan(errors))
     points = _samples(ground, rows, columns)
     pixels, in_view = _in_view(camera, points)
@@ -152,7 +156,7 @@ def pop_metric(
     before = _error_field(meshes[0], ground, device)
     for mesh, camera in zip(meshes[1:], cameras[1:], strict=True):
         after = _error_field(mesh, ground, device)
-        moved = _jumps(ground, camera, before, after)
+        moved = jumps(ground, camera, before, after)
         steps.append(float(moved.max(initial=0.0)))
         squares += float(np.square(moved).sum())
         count += len(moved)
@@ -160,7 +164,7 @@ def pop_metric(
     return Pop(max(steps), float(np.sqrt(squares / max(count, 1))), tuple(steps))
 
 
-def _jumps(
+def jumps(
     ground: Heightmap,
     camera: Camera,
     before: npt.NDArray[np.float32],

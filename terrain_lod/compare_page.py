@@ -1,0 +1,188 @@
+"""The comparison as one HTML page that can be mailed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from html import escape
+from importlib.metadata import version
+from importlib.resources import files
+from string import Template
+from typing import TYPE_CHECKING, Final
+
+from .compare_trials import Result
+from .report_html import card, figure, listing, paragraph, row_of_figures, section
+from .report_page import css_ramp
+
+if TYPE_CHECKING:
+    from .compare import SweepReport
+
+_HEADS: Final = (
+    "",
+    "Edges",
+    "Triangles",
+    "Largest, m",
+    "RMS, m",
+    "Largest, px",
+    "RMS, px",
+    "Kept",
+    "Pop, px",
+    "Whole, ms",
+    "from – to",
+    "First, ms",
+    "View, ms",
+    "Mesh, MB",
+    "Device, MB",
+    "Peak, MB",
+)
+
+
+def comparison_page(made: SweepReport) -> str:
+    """Return the page's text."""
+    template = Template(files("terrain_lod").joinpath("report.html").read_text("utf-8"))
+    ground = made.course.ground
+    (rows, columns), (low, high) = ground.shape, ground.height_range
+    number = version("terrain_lod")
+    return template.substitute(
+        version=escape(number),
+        title=escape(f"Speed against error: {ground.name}"),
+        subtitle=escape(
+            f"{rows:,} × {columns:,} samples, {ground.spacing[0]:g} × {ground.spacing[1]:g} m "
+            f"apart, {low:,.0f} to {high:,.0f} m high; {len(made.course.pairs)} views of a low "
+            f"flight, {made.course.cameras[0].size[0]} × {made.course.cameras[0].size[1]} pixels; "
+            f"on {made.course.device.info}."
+        ),
+        verdict="\n".join(map(paragraph, [*made.findings, *made.speeds])),
+        cards="\n".join(_cards(made)),
+        sections="\n".join(_sections(made)),
+        footer=escape(
+            f"Made by terrain_lod {number}. The same numbers: compare.json, compare.csv and, "
+            "for what differs from run to run, times.csv."
+        ),
+        ramp=css_ramp(),
+    )
+
+
+def _cards(made: SweepReport) -> Iterator[str]:
+    promised = [r for r in made.results if r.contender.peer is None and _asks(r)]
+    broken = sum(result.broken is not None for result in promised)
+    yield card(f"{broken} of {len(promised)}", "promises of an error broken, measured outside")
+    peers = [r for r in made.sweep if r.contender.peer is not None and _asks(r)]
+    if peers:
+        count = sum(result.broken is not None for result in peers)
+        yield card(f"{count} of {len(peers)}", "broken by peers that state an error")
+    yield card(f"{len(made.results)}", "meshes made, timed and measured at every sample")
+
+
+def _asks(result: Result) -> bool:
+    return bool(result.contender.asked_metres or result.contender.asked_pixels)
+
+
+def _sections(made: SweepReport) -> Iterator[str]:
+    yield section(
+        "Triangles and time against error",
+        paragraph(
+            "Lower and further left is better. Lines join one maker at several settings; dashes "
+            "are peers. View-dependent levels of detail count the triangles of one view: they are "
+            "meant for the plot in pixels. What has no error at all is off the scale and in the "
+            "table.",
+            kind="soft",
+        ),
+        figure(made.files["triangles"], "Triangles against the largest error"),
+        figure(made.files["time"], "Time from raster to mesh against the largest error, warm"),
+    )
+    yield _seen(made)
+    yield section(
+        "Everything tried",
+        paragraph(
+            "Errors are measured at every sample, from the triangles, by the same code for all; "
+            "in pixels at every sample in view. Kept: whether the error asked for is the error "
+            "measured, and by which factor it was missed if not. Pop: how far the surface jumps to "
+            "the next of 240 pictures of the flight. Whole: from raster in host memory to mesh in "
+            "host memory, terrain and error ladder included, warm, median, and least to most. "
+            "First: the first call, in which kernels may have been built. View: one more camera. "
+            "Device: held there for terrain and mesh. Peak: host memory taken by the first call.",
+            kind="soft",
+        ),
+        listing(_HEADS, map(_line, made.sweep), words=2),
+        *(_absent(made.missing) if made.missing else ()),
+    )
+    yield section(
+        "Tile sizes",
+        paragraph("The two promises at one tolerance, in tiles of every size.", kind="soft"),
+        listing(
+            ("", "Tile", *_HEADS[1:]),
+            ([line[0], str(r.contender.tile), *line[1:]] for r in made.tiles if (line := _line(r))),
+            words=3,
+        ),
+    )
+    yield section(
+        "Popping",
+        paragraph(
+            "Distance LOD in every partitioning: between whole numbers of segments the surface "
+            "jumps, fractional ones let it move.",
+            kind="soft",
+        ),
+        listing(
+            ("Partitioning", "Triangles", "Largest pop, px", "RMS, px"),
+            (
+                (
+                    r.contender.partitioning,
+                    f"{r.triangles:,}",
+                    _short(r.pop),
+                    _short(r.pop_rms),
+                )
+                for r in made.partitionings
+            ),
+        ),
+    )
+
+
+def _absent(missing: Sequence[str]) -> Iterator[str]:
+    yield paragraph(
+        f"Not installed and so not compared: {', '.join(missing)}. "
+        "pip install 'terrain_lod[compare]' brings them."
+    )
+
+
+def _seen(made: SweepReport) -> str:
+    names = [name for name in made.files if name.endswith("Lod")]
+    if not names:
+        return section("Where the triangles go", paragraph("This machine draws no 3-D pictures."))
+    ramp = '<div class="ramp"><span>1</span><i></i><span>a tile’s cells</span></div>'
+    pictures = [figure(made.files[name], name) for name in names]
+    return section(
+        "Where the triangles go",
+        paragraph("The first view, each patch in the colour of its inside factor.", kind="soft"),
+        ramp,
+        row_of_figures("two", pictures),
+    )
+
+
+def _line(result: Result) -> list[str]:
+    times, contender = result.times, result.contender
+    if not _asks(result):
+        kept = ""
+    else:
+        kept = "yes" if result.broken is None else f"× {result.broken:.3g}"
+    label = contender.label.removesuffix(f", {contender.edges}")
+    return [
+        label,
+        contender.edges,
+        f"{result.triangles:,}",
+        *map(_short, (result.metres, result.metres_rms, result.pixels, result.pixels_rms)),
+        kept,
+        "static" if contender.is_static else _short(result.pop),
+        _short(1e3 * times.whole),
+        f"{_short(1e3 * times.whole_low)} – {_short(1e3 * times.whole_high)}",
+        _short(1e3 * times.first),
+        "" if times.view is None else _short(1e3 * times.view),
+        f"{result.mesh_bytes / 1e6:.1f}",
+        f"{result.device_bytes / 1e6:.1f}" if result.device_bytes else "",
+        "" if times.peak_bytes is None else f"{times.peak_bytes / 1e6:.0f}",
+    ]
+
+
+def _short(value: float) -> str:
+    if value != value:  # nothing was in view
+        return "–"
+    return f"{value:,.0f}" if abs(value) >= 1000 else f"{value:.3g}"
