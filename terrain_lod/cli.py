@@ -30,6 +30,7 @@ from .cli_options import (
     TerrainOptions,
 )
 from .cli_output import PROGRAM, complain, log, progress_bar, say, say_table, set_verbosity, warn
+from .cli_pattern import pattern
 from .cli_smooth import smooth
 from .cli_view import view
 from .errors import TerrainError
@@ -282,6 +283,7 @@ def doctor() -> int:
 
 app.command(view, sort_key=7)
 app.command(smooth, sort_key=8)
+app.command(pattern, sort_key=9)
 
 
 def _counts(mesh: Any) -> str:

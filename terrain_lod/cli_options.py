@@ -23,27 +23,27 @@ if TYPE_CHECKING:
     from .terrain import Terrain
 
 
-def _numbers(form: str, *counts: int) -> Parameter:
+def numbers(form: str, *counts: int) -> Parameter:
     """Return how one token such as ``500000,4000000,1200`` or ``1920x1080`` is read."""
 
     def convert(_: Any, tokens: Sequence[Token]) -> tuple[float, ...]:
         text = tokens[0].value
         try:
-            numbers = tuple(float(part) for part in text.replace("x", ",").split(","))
+            values = tuple(float(part) for part in text.replace("x", ",").split(","))
         except ValueError:
-            numbers = ()
-        if len(numbers) not in counts:
+            values = ()
+        if len(values) not in counts:
             raise ValueError(f"expected {form}, got {text!r}")
-        return numbers
+        return values
 
     return Parameter(converter=convert, n_tokens=1, allow_leading_hyphen=True, metavar=form)
 
 
-_Point = Annotated[Point | None, _numbers("X,Y,Z", 3)]
-_Size = Annotated[tuple[int, int] | None, _numbers("WIDTHxHEIGHT", 2)]
-_Spacing = Annotated[tuple[float, ...] | None, _numbers("DX[,DY]", 1, 2)]
-_Range = Annotated[tuple[float, float] | None, _numbers("LOW,HIGH", 2)]
-Sun = Annotated[tuple[float, float] | None, _numbers("AZIMUTH,ELEVATION", 2)]
+_Point = Annotated[Point | None, numbers("X,Y,Z", 3)]
+_Size = Annotated[tuple[int, int] | None, numbers("WIDTHxHEIGHT", 2)]
+_Spacing = Annotated[tuple[float, ...] | None, numbers("DX[,DY]", 1, 2)]
+_Range = Annotated[tuple[float, float] | None, numbers("LOW,HIGH", 2)]
+Sun = Annotated[tuple[float, float] | None, numbers("AZIMUTH,ELEVATION", 2)]
 
 Ground = Annotated[str, Parameter(metavar="GROUND")]
 """A raster file, or the name of a bundled sample."""

@@ -64,7 +64,7 @@ def tessellate(
     Examples
     --------
     >>> tessellate("quad", [[3, 5, 7.5, 9]], [[4.2, 6]])
-    Pattern(quad, fractional_odd: 1 patches, 62 points, 92 triangles, 0 lines)
+    Pattern(quad, fractional_odd: 1 patches, 50 points, 72 triangles, 0 lines)
     """
     edges, insides = checked_factors(domain, edge_factors, inside_factors, partitioning)
     one_of("topology", topology, TOPOLOGIES)
