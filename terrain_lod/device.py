@@ -312,6 +312,14 @@ class Device:
                     f"{gibibytes(had)} ({had} bytes) {where}: use a smaller raster or larger device"
                 )
 
+    def require_doubles(self, what: str) -> None:
+        """Refuse `what` where the device has no 64-bit floats."""
+        if not self.has_doubles:
+            raise DeviceError(
+                f"{what} want a device with 64-bit floats, {self.info.name} has none: "
+                "choose another, a CPU for one"
+            )
+
     def allocate(self, nbytes: int) -> cl.MemoryObject:
         """Return memory, used before where there is some: pages new to a CPU cost most of all.
 

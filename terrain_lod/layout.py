@@ -75,6 +75,18 @@ DECAL: Final = np.dtype(
     ]
 )
 
+# a lattice over a mesh, seen from above, relative to the mesh's origin
+BINS: Final = np.dtype(
+    [
+        ("across", np.int32),
+        ("down", np.int32),
+        ("low_x", np.float32),
+        ("low_y", np.float32),
+        ("per_x", np.float32),  # bins a unit
+        ("per_y", np.float32),
+    ]
+)
+
 CONSTANTS: Final = {
     "FIXED_BITS": FIXED_BITS,
     "FIXED_ONE": FIXED_ONE,
@@ -89,7 +101,7 @@ CONSTANTS: Final = {
     "NET_VECTORS": NET_VECTORS,
     **{name.upper(): number for number, name in enumerate(PARTITIONINGS)},
 }
-STRUCTS: Final = {"Grid": GRID, "View": VIEW, "Decal": DECAL}
+STRUCTS: Final = {"Grid": GRID, "View": VIEW, "Bins": BINS, "Decal": DECAL}
 
 _C_NAMES: Final = {"float32": "float", "int32": "int", "uint32": "uint"}
 

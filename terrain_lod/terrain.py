@@ -33,6 +33,8 @@ from .lod import Lod, PromiseLod, Scene, ScreenErrorLod
 from .mesh import Achieved, Mesh, Patches
 from .pattern import DevicePattern
 from .promise import Promise
+from .queries import Hits, checked_points, checked_rays
+from .queries_ground import heights_on_device, rays_on_device
 from .tessellator import tessellate_device
 from .timeline import Timeline
 
@@ -195,6 +197,57 @@ class Terrain:
                 pattern = self._pattern(factors, partitioning)
             vertices = displace_on_device(self._ground, self.grid, pattern)
             return self._download(factors, pattern, vertices, timeline, achieved)
+
+    def height_at(self, points: npt.ArrayLike) -> npt.NDArray[np.float64]:
+        """Return the ground's elevations at points of the world.
+
+        Parameters
+        ----------
+        points : array_like, (N, 2)
+            World x and y.
+
+        Returns
+        -------
+        (N,) float64
+            Bilinear between samples; NaN outside the raster and where a sample has no data.
+
+        Raises
+        ------
+        InputError
+            If the points are not such, or not finite.
+        DeviceError
+            If the device has no 64-bit floats.
+        """
+        return heights_on_device(self._ground, self.grid, self.origin, checked_points(points))
+
+    def cast(self, origins: npt.ArrayLike, directions: npt.ArrayLike) -> Hits:
+        """Find what rays meet first of the ground itself, bilinear between its samples.
+
+        Parameters
+        ----------
+        origins, directions : array_like, (N, 3)
+            World points, and directions of any length; one of either serves all.
+
+        Returns
+        -------
+        Hits
+            Those of cells whose four samples have data, from above or below. A ray that comes in
+            under the ground at the raster's border is below it.
+
+        Raises
+        ------
+        InputError
+            If the rays are not such, not finite, or a direction is zero.
+        DeviceError
+            If the device has no 64-bit floats.
+        """
+        return rays_on_device(
+            self._ground,
+            self.grid,
+            self._analysis,
+            self.origin,
+            *checked_rays(origins, directions),
+        )
 
     @cached_property
     def _ladder(self) -> DeviceLadder:

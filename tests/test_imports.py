@@ -21,7 +21,7 @@ ROOMS = {
     "values": (
         "errors arguments layout factors patch_factors grid heightmap camera viewpoint lod pattern "
         "mesh soundness open_edges adjacency shape_numbers colours degrees files "
-        "device_info parameters timeline",
+        "device_info parameters timeline queries",
         "",
     ),
     # ground, patches and meshes from files and to files; what can be known of a mesh alone
