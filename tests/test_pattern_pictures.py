@@ -212,7 +212,7 @@ def test_the_command_refuses_in_one_line(words, message, capsys, tmp_path, monke
 def test_the_pictures_of_the_page_are_made_by_its_script(tmp_path):
     root = Path(__file__).parents[1]
     subprocess.run(
-        [sys.executable, root / "examples" / "tessellation_pictures.py", tmp_path, "--frames", "3"],
+        [sys.executable, root / "docs" / "make_pictures.py", tmp_path, "--frames", "3"],
         check=True,
         capture_output=True,
     )

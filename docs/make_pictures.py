@@ -1,6 +1,6 @@
 """Draw the pictures of docs/tessellation.md.
 
-python examples/tessellation_pictures.py docs/pictures
+python docs/make_pictures.py docs/pictures
 """
 
 import argparse
