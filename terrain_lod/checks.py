@@ -40,6 +40,7 @@ CHECKS: Final[Checks] = {
     "pn_edges": checks_pn.check_pn_edges,
     "pn_patches": checks_pn.check_pn_patches,
     "pn_domain": checks_pn.check_pn_domain,
+    "pn_blend": checks_pn.check_pn_blend,
     "displaced": checks_pn.check_displaced,
     "decals": checks_pn.check_decals,
     "amplify": checks_amplify.check_amplify,

@@ -28,12 +28,15 @@ from .patch_factors import (
 from .pattern import DevicePattern
 from .pn import (
     DevicePatchMesh,
+    blend_on_device,
     edge_factors_on_device,
     evaluate_on_device,
+    levels_on_device,
     nets_on_device,
     patch_factors_on_device,
 )
-from .reference import displaced, patch_culling, patch_factors, pn
+from .reference import displaced, patch_culling, patch_factors, pn, pn_blend
+from .semi_uniform import semi_uniform_device
 
 Array = npt.NDArray[Any]
 
@@ -224,3 +227,21 @@ def check_decals(device: Device) -> Check:
         displaced.dented(position, records, depths) for position in positions.astype(np.float64)
     ]
     return Check(float(np.abs(moved.host() - np.array(expected)).max()), _POSITIONS, "units")
+
+
+def check_pn_blend(device: Device) -> Check:
+    """Return the worst difference of positions on patterns between whole levels."""
+    case, random = _case(), np.random.default_rng(12)
+    factors = random.uniform(1, 16, len(case.adjacency.sides))[case.adjacency.edges]
+    levels = levels_on_device(device.array(factors.astype(np.float32)), maximum=4)
+    pattern = semi_uniform_device(levels, maximum=4, keep_degenerate=True, clockwise=True)
+    found = blend_on_device(device.array(case.nets), levels, pattern).positions.host()
+    offsets, points = pattern.point_offsets.host().astype(int), pattern.points.host() / FIXED_ONE
+    wanted, worst = np.log2(factors), 0.0
+    for patch in range(0, len(case.triangles), 12):
+        for place in range(offsets[patch], offsets[patch + 1]):
+            u, v = points[place].tolist()
+            weights = u, v, 1 - u - v
+            expected = pn_blend.blended_position(case.controls[patch], wanted[patch], weights)
+            worst = max(worst, float(np.abs(found[place] - expected).max()))
+    return Check(worst, _POSITIONS, "units")

@@ -222,3 +222,80 @@ def evaluate_on_device(
         normals=vertices.normals,
     )
     return vertices
+
+
+def levels_on_device(factors: DeviceArray, maximum: int) -> DeviceArray:
+    """Return the semi-uniform level of every factor, its binary logarithm; below 0 where culled.
+
+    Parameters
+    ----------
+    factors : DeviceArray, (T, 3) float32
+    maximum : int
+        Largest level; higher ones are lowered to it.
+
+    Returns
+    -------
+    DeviceArray, (T, 3) float32
+    """
+    device = factors.device
+    levels = device.empty(factors.shape, np.float32)
+    kernel = device.kernel("pn_blend.cl", "pn_levels", GROUP=1, LANES=1, LINEAR_NORMALS=0)
+    kernel(
+        (factors.size,),
+        (_GROUP,),
+        count=factors.size,
+        maximum=float(maximum),
+        factors=factors,
+        levels=levels,
+    )
+    return levels
+
+
+def blend_on_device(
+    nets: DeviceArray, levels: DeviceArray, pattern: DevicePattern, *, linear_normals: bool = False
+) -> DeviceVertices:
+    """Put every point of a semi-uniform `pattern` on its patch, or on its way there.
+
+    Points that a level has and the next lower one has not, grow out of that one's segments by the
+    fraction of the level, see ``kernels/pn_blend.cl``.
+
+    Parameters
+    ----------
+    nets : DeviceArray, (T, 16, 3) float32
+    levels : DeviceArray, (T, 3) float32
+        Those that the pattern was made for.
+    pattern : DevicePattern
+        Of :func:`terrain_lod.semi_uniform.semi_uniform_device`.
+    linear_normals : bool, optional
+        As for :func:`evaluate_on_device`.
+
+    Returns
+    -------
+    DeviceVertices
+
+    Raises
+    ------
+    DeviceMemoryError
+        If the device cannot hold the vertices.
+    """
+    device, count, patches = nets.device, pattern.points.shape[0], nets.shape[0]
+    device.require(f"{count} vertices", count * 12, count * 12)
+    vertices = DeviceVertices(
+        device.empty((count, 3), np.float32), device.empty((count, 3), np.float32)
+    )
+    group = device.group_size(32)
+    groups = patches if device.is_gpu else min(patches, _RUNS)
+    device.kernel(
+        "pn_blend.cl", "pn_blend", GROUP=group, LANES=1, LINEAR_NORMALS=int(linear_normals)
+    )(
+        (groups * group,),
+        (group,),
+        patches=patches,
+        nets=nets,
+        levels=levels,
+        point_offsets=pattern.point_offsets,
+        points=pattern.points,
+        positions=vertices.positions,
+        normals=vertices.normals,
+    )
+    return vertices

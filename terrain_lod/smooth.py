@@ -27,15 +27,23 @@ from .mesh import Mesh
 from .patch_factors import MAX_FACTOR, EdgeFactor, UniformFactor
 from .pn import (
     DevicePatchMesh,
+    blend_on_device,
     edge_factors_on_device,
     evaluate_on_device,
+    levels_on_device,
     nets_on_device,
     patch_factors_on_device,
 )
+from .semi_uniform import semi_uniform_device
 from .soundness import require_sound
 from .tessellator import tessellate_device
 
 NORMALS: Final = ("quadratic", "linear")
+# patterns of another tessellator: semi_uniform.py
+SEMI_UNIFORM: Final = "semi_uniform"
+
+# a factor of 64, the largest
+_LARGEST_LEVEL: Final = 6
 
 
 def pn_triangles(
@@ -71,7 +79,10 @@ def pn_triangles(
         sharp, and one curve for both sides (PN-AEN), so that the surface stays closed. A number:
         also make sharp all edges at which faces meet at more than so many degrees. False: PN as
         first published; the two sides part.
-    partitioning : {"fractional_odd", "fractional_even", "integer", "pow2"}, optional
+    partitioning : str, optional
+        ``"fractional_odd"``, ``"fractional_even"``, ``"integer"`` or ``"pow2"`` of the tessellator,
+        or ``"semi_uniform"``: dyadic patterns, whose levels are the factors' binary logarithms, and
+        blended between whole levels.
     cull : bool, optional
         Leave out patches that are out of the camera's view.
     back_faces : float, optional
@@ -105,7 +116,7 @@ def pn_triangles(
     """
     require_curvable(mesh)
     one_of("normals", normals, NORMALS)
-    one_of("partitioning", partitioning, layout.PARTITIONINGS)
+    one_of("partitioning", partitioning, (*layout.PARTITIONINGS, SEMI_UNIFORM))
     if lod is not None and factor is not None:
         raise InputError(f"expected a factor or a lod, got both {factor!r} and {lod}")
     if lod is not None and lod.needs_camera and camera is None:
@@ -144,10 +155,17 @@ def _tessellated(
     timeline: Any,
 ) -> Mesh:
     # corners 0, 1, 2 are u, v, w: counter-clockwise in the mesh is clockwise in the domain
-    pattern = tessellate_device(
-        "triangle", factors.edge, factors.inside, partitioning, clockwise=True
-    )
-    vertices = evaluate_on_device(nets, pattern, linear_normals=linear_normals)
+    if partitioning == SEMI_UNIFORM:
+        levels = levels_on_device(factors.edge, _LARGEST_LEVEL)
+        pattern = semi_uniform_device(
+            levels, maximum=_LARGEST_LEVEL, keep_degenerate=False, clockwise=True
+        )
+        vertices = blend_on_device(nets, levels, pattern, linear_normals=linear_normals)
+    else:
+        pattern = tessellate_device(
+            "triangle", factors.edge, factors.inside, partitioning, clockwise=True
+        )
+        vertices = evaluate_on_device(nets, pattern, linear_normals=linear_normals)
     return Mesh(
         vertices=vertices.positions.host(),
         normals=vertices.normals.host(),

@@ -83,6 +83,7 @@ def test_the_checks_of_the_doctor_pass() -> None:
         checks_pn.check_pn_edges,
         checks_pn.check_pn_patches,
         checks_pn.check_pn_domain,
+        checks_pn.check_pn_blend,
     ):
         found = check(tl.Device.open())
         assert found.error <= found.bound, check.__name__

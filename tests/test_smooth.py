@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from curved_meshes import CLOSED, bulging, cone, cube, torus, welded
+from curved_meshes import CLOSED, bulging, chamfered_cube, cone, cube, torus, welded
 
 import terrain_lod as tl
 from terrain_lod.cracks import crack_report
@@ -182,6 +182,10 @@ def only(mesh: tl.Mesh, part: tl.Mesh) -> tl.Mesh:
 def test_leaving_out_patches_that_are_turned_away_changes_no_pixel(name: str) -> None:
     mesh = CLOSED[name]()
     everything = pn_triangles(mesh, 5)
+    # colours by position alone: a sample on a silhouette may fall to either patch there
+    everything = replace(
+        everything, normals=np.tile(np.float32([0, 0, 1]), (len(everything.normals), 1))
+    )
     left_out = 0
     for camera in cameras(4):
         front = only(everything, pn_triangles(mesh, 5, camera=camera, back_faces=0.0, cull=False))
@@ -255,3 +259,51 @@ def test_wrong_meshes() -> None:
 def test_wrong_formulas(make) -> None:
     with pytest.raises(tl.InputError, match="expected"):
         make()
+
+
+# semi-uniform patterns
+
+
+@pytest.mark.parametrize("formula", FORMULAS, ids=lambda formula: formula.header)
+@pytest.mark.parametrize("make", CLOSED.values(), ids=CLOSED)
+def test_semi_uniform_patterns_close_a_mesh_too(make, formula) -> None:
+    (camera,) = cameras(1)
+    smooth = pn_triangles(
+        make(), lod=formula, camera=camera, cull=False, partitioning="semi_uniform"
+    )
+    assert not crack_report(smooth, closed=True)
+
+
+def test_own_levels_at_every_edge_are_closed_and_whole_ones_are_on_the_surface() -> None:
+    mesh = bulging(chamfered_cube())
+    factors = np.random.default_rng(5).uniform(1, 16, mesh.triangles.shape)
+    assert not crack_report(pn_triangles(mesh, factors, partitioning="semi_uniform"), closed=True)
+    # a level of two is a factor of four
+    dyadic = pn_triangles(mesh, 4, partitioning="semi_uniform")
+    uniform = pn_triangles(mesh, 4, partitioning="integer")
+    assert len(dyadic.triangles) == 16 * len(mesh.triangles)
+    on_edges = {row.tobytes() for row in uniform.vertices}
+    common = sum(row.tobytes() in on_edges for row in dyadic.vertices)
+    assert common >= 12 * len(mesh.triangles)
+
+
+def test_levels_between_whole_ones_grow_without_a_jump() -> None:
+    mesh = torus()
+
+    def surface(factor: float):
+        return pn_triangles(mesh, factor, partitioning="semi_uniform")
+
+    # the vertices just above a whole level lie on the triangles of that level ...
+    low, above = surface(4.0), surface(4.0001)
+    assert len(above.triangles) == 4 * len(low.triangles)
+    assert distance(above, low) < 1e-5
+    # ... where the next level's are off by much
+    assert distance(surface(8.0), low) > 0.01
+    # and just below a whole level they are nearly that level's
+    assert np.abs(surface(7.9999).vertices - surface(8.0).vertices).max() < 1e-5
+
+
+def distance(points: tl.Mesh, surface: tl.Mesh) -> float:
+    """Return how far the vertices of one mesh are from the triangles of another, at most."""
+    found = points.to_pyvista().compute_implicit_distance(surface.to_pyvista())
+    return float(np.abs(found["implicit_distance"]).max())
