@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import argparse
 import resource
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from statistics import median
 from time import perf_counter, sleep
@@ -23,7 +23,7 @@ from terrain_lod.camera_path import flyover
 from terrain_lod.viewer_camera import Rig
 from terrain_lod.viewer_controls import Controls
 from terrain_lod.viewer_model import Model
-from terrain_lod.viewer_settings import CHOICES, MODES
+from terrain_lod.viewer_settings import CHOICES, LODS, MODES
 from terrain_lod.viewer_window import Window
 
 KEYS = (*"123456mlpektfgrhwasd", "Up", "Down", "Left", "Right", "F13")
@@ -123,13 +123,36 @@ def resize_or_reload(controls: Controls, rng: np.random.Generator) -> None:
             window.drive(window.rig.fly(far, far))
 
 
+def tour(controls: Controls) -> Iterator[Callable[[], None]]:
+    """Yield events that lead once to everything there is: what is kept for good is then there."""
+    window = controls.window
+    yield lambda: window.plotter.render_window.SetSize(900, 900)
+    yield window.reload
+    for choice in CHOICES:
+        for value in choice.values:
+            yield lambda name=choice.name, value=value: window.change(name, value)
+        yield lambda name=choice.name: window.change(name, getattr(window.model.settings(), name))
+    for lod in LODS:
+        yield lambda lod=lod: window.change("lod", lod)
+        for slider in window.settings.changed("lod", lod).sliders:
+            for share in (0.0, 1.0):
+                yield lambda name=slider.name, share=share: slide(controls, name, share)
+    yield lambda: window.apply(window.model.settings())
+
+
 def stress(window: Window, controls: Controls, count: int) -> None:
     """Do so many events, and print what memory does."""
     rng = np.random.default_rng(6)
     marks, shown = {}, set()
+    first = tour(controls)
     for number in range(1, count + 1):
-        event(controls, rng)
-        if number % 10 == 0:
+        step = next(first, None)
+        if step is None:
+            event(controls, rng)
+        else:
+            step()
+            controls.pump()
+        if step is not None or number % 10 == 0:
             shown.add(window.settle().request.settings.mode)
         if number in (100, count // 2, count):
             # the same view each time, so that what is left is what was not given back
