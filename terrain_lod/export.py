@@ -26,7 +26,6 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from .error import vertical_error
 from .errors import InputError
 from .files import replacing
 from .glb import write_glb
@@ -127,6 +126,8 @@ def to_pyvista(mesh: Mesh, ground: Heightmap | None = None) -> pyvista.PolyData:
 
 def _tile_errors(mesh: Mesh, tile: int, ground: Heightmap) -> npt.NDArray[np.float32]:
     """Return the largest vertical error of each tile, NaN where nothing was measured; (P,)."""
+    from .error import vertical_error  # a file needs no device
+
     errors = vertical_error(mesh, ground, field=True).field
     assert errors is not None
     grid = TileGrid.of(ground, tile)

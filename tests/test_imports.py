@@ -19,8 +19,8 @@ PACKAGE = Path(terrain_lod.__file__).parent
 ROOMS = {
     # numbers, checks and frozen objects: they know nothing above them
     "values": (
-        "errors arguments layout factors patch_factors grid heightmap camera viewpoint lod pattern "
-        "mesh soundness open_edges adjacency shape_numbers colours degrees files "
+        "errors arguments layout factors patch_factors grid heightmap camera* viewpoint lod "
+        "pattern mesh drape soundness open_edges adjacency shape_numbers colours degrees files "
         "device_info parameters timeline queries",
         "",
     ),
@@ -43,11 +43,14 @@ ROOMS = {
     ),
     # take a mesh to a number or a picture
     "sinks": (
-        "error screen_error queries_mesh graphics render pattern_*",
+        "error screen_error queries_mesh accessor graphics render notebook pattern_*",
         "values meshes device reference",
     ),
     # many meshes to a page, or to a window
-    "reports": ("report* demo viewer*", "values files meshes device chains sinks"),
+    "reports": (
+        "report* compare* stability* demo flyover viewer*",
+        "values files meshes device chains sinks",
+    ),
     # know everything; nothing imports them
     "commands": (
         "cli* doctor checkup checks* __main__",
@@ -57,7 +60,13 @@ ROOMS = {
 # modules of one room that do not know each other
 STRANGERS = {"stages"}
 # within a function, so that a value object can offer what is written above it
-LATE = {("mesh", "export"), ("mesh", "mesh_loading")}
+LATE = {
+    ("mesh", "export"),
+    ("heightmap", "notebook"),
+    ("mesh", "notebook"),
+    ("terrain", "notebook"),
+    ("export", "error"),
+}
 # only there, so that everything else runs without them
 GUARDED = {"pyopencl": {"device"}, "rasterio": {"readers_geo"}}
 # nobody waits for these on import
