@@ -16,7 +16,8 @@
 // cancels to nothing on a steep coplanar tile.
 //
 // A work-group per tile. On a CPU it is one work-item, which walks rows of lanes that the compiler
-// turns into vectors (analysis_rows.h); on a GPU each of GROUP items takes every GROUP-th sample.
+// turns into vectors (analysis_rows.h); on a GPU each of GROUP items takes every GROUP-th sample
+// (analysis_group.h). Tiles that are not ordinary go the long way round (analysis_any.h).
 //
 // Built with: TILE cells, GROUP items, CORNERS and MASKED (0 or 1).
 #include "common.h"
@@ -61,6 +62,8 @@ inline float height_at(const Samples tile, int row, int column)
 
 #if GROUP == 1
 #include "analysis_rows.h"
+#else
+#include "analysis_group.h"
 #endif
 #include "analysis_any.h"
 
@@ -127,15 +130,13 @@ inline Samples tile_samples(Grid grid, int index, __global const float *heights,
 inline Fit fit_tile(Grid grid, Samples tile, __local float *scratch)
 {
     Fit fit;
-#if GROUP == 1
-    if (is_ordinary_tile(&tile, &fit.moments)) {
+    if (is_ordinary_tile(&tile, &fit.moments, scratch)) {
         fit.plane = CORNERS ? corner_plane(tile, grid, fit.moments.z)
                             : least_squares_plane(fit.moments);
-        fit.squares = squared_residuals_of_rows(tile, fit.plane);
+        fit.squares = squared_residuals_of_rows(tile, fit.plane, scratch);
         fit.tile = tile;
         return fit;
     }
-#endif
     scale_samples(&tile, scratch);
     fit.moments = moments_of_samples(tile, scratch);
     // a corner without data has no normal: such a tile takes the least-squares plane
@@ -154,7 +155,7 @@ __kernel void analysis(const Grid grid,
                        __global const int *tiles,      // (count,) to analyse; others keep theirs
                        __global float4 *planes,        // (TR, TC) unit normal, height at the centre
                        __global float4 *details,       // (TR, TC) deviation, minimum, maximum, holes
-                       __local float *scratch)         // GROUP
+                       __local float *scratch)         // GROUP * 6
 {
     // groups share the tiles in runs
     const int run = (count + get_num_groups(0) - 1) / get_num_groups(0);

@@ -111,7 +111,7 @@ inline bool is_whole(const Samples tile)
 }
 
 // Find the moments of a full tile whose squares float can hold; false sends others round.
-inline bool is_ordinary_tile(Samples *tile, Moments *moments)
+inline bool is_ordinary_tile(Samples *tile, Moments *moments, __local float *scratch)
 {
     if (WIDTH < 8 || tile->rows != WIDTH || tile->columns != WIDTH || !is_whole(*tile))
         return false;
@@ -122,7 +122,8 @@ inline bool is_ordinary_tile(Samples *tile, Moments *moments)
 }
 
 // phase 4
-inline float squared_residuals_of_rows(const Samples tile, const Plane plane)
+inline float squared_residuals_of_rows(const Samples tile, const Plane plane,
+                                       __local float *scratch)
 {
     Lanes sum = 0.0f, along[BLOCKS];
 #pragma unroll

@@ -150,5 +150,5 @@ def analyse_tiles(
         tiles=device.array(tiles),
         planes=analysis.planes,
         details=analysis.details,
-        scratch=group * 4,
+        scratch=group * 6 * 4,
     )
