@@ -38,7 +38,7 @@ ROOMS = {
     ),
     # put stages one after the other
     "chains": (
-        "terrain promise smooth amplify displaced decals bezier surfaces curves uniform_quads",
+        "terrain promise smooth amplify displaced* decals bezier surfaces curves uniform_quads",
         "values files meshes device stages",
     ),
     # take a mesh to a number or a picture
