@@ -2,9 +2,9 @@
 
     python benchmarks/semi_uniform.py [--levels 3 5] [--largest 100000]
 
-Base meshes of the sizes in the paper, seen from several sides, refined uniformly and where the
-silhouette is; patches tessellated level by level from queues, and each by itself. Times are those of a
-frame from factors to vertices, on the wall; the paper's two GPUs beside them also draw it.
+Base meshes of the paper's sizes, seen from several sides, refined uniformly and where the
+silhouette is: level by level from queues, and each patch by itself. Times are those of a frame from
+factors to vertices, on the wall; the paper's two GPUs beside them also draw it.
 """
 
 from __future__ import annotations
