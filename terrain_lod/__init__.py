@@ -36,6 +36,8 @@ from .lod import (
 from .mesh import Achieved, Mesh, Patches
 from .mesh_loading import load_mesh
 from .pattern import Pattern
+from .queries import Hits
+from .queries_mesh import Surface
 from .samples import sample, sample_names
 from .screen_error import (
     Pop,
@@ -61,6 +63,7 @@ __all__ = [
     "DistanceLod",
     "FileError",
     "Heightmap",
+    "Hits",
     "InputError",
     "Lod",
     "MaxErrorLod",
@@ -72,6 +75,7 @@ __all__ = [
     "PromiseLod",
     "ScreenError",
     "ScreenErrorLod",
+    "Surface",
     "Terrain",
     "TerrainError",
     "TileAnalysis",

@@ -52,7 +52,7 @@ class Surface:
         self.device.require_doubles("queries")
         vertices = np.ascontiguousarray(mesh.vertices, np.float32)
         triangles = np.ascontiguousarray(mesh.triangles, np.int32)
-        self._bins, self._low, self._high = _lattice(vertices[np.unique(triangles)], len(triangles))
+        self._bins, self._low, self._high = _lattice(vertices, len(triangles))
         self.device.require(f"queries of {mesh!r}", vertices.nbytes, triangles.nbytes)
         self._vertices = self.device.array(vertices)
         self._triangles = self.device.array(triangles)
