@@ -224,7 +224,7 @@ class Controls:
 
     def _sync_sliders(self) -> None:
         """Show the sliders of the LOD that is chosen, below each other, at the settings' values."""
-        settings, row = self.window.settings, 0
+        settings, row, fresh = self.window.settings, 0, False
         self._synced = settings, self.window.texts_shown
         shown = {slider.name for slider in settings.sliders} if self.window.texts_shown else set()
         for slider in sliders(settings.diagonal):
@@ -243,3 +243,7 @@ class Controls:
                 row += 1
             if bool(widget.GetEnabled()) != (slider.name in shown):
                 widget.SetEnabled(slider.name in shown)
+                fresh = True
+        # a click on a slider of VTK's that was never drawn ends the process
+        if fresh and min(self.window.size) > 0:
+            self.window.draw()

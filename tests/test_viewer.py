@@ -114,7 +114,9 @@ numbers = st.floats(allow_nan=True, allow_infinity=True)
 
 
 @given(st.tuples(numbers, numbers, numbers), numbers, numbers, numbers)
-def test_camera_driven_anywhere_stays_above_the_ground_and_near_it(target, distance, heading, pitch):
+def test_camera_driven_anywhere_stays_above_the_ground_and_near_it(
+    target, distance, heading, pitch
+):
     ground = GROUND
     rig = Rig(target, distance, heading, pitch, fov=60.0).within(ground)
     x, y, z = rig.eye
@@ -172,9 +174,7 @@ def test_colours_stand_for_what_their_mode_says(model):
     patches = deviation.mesh.patches
     drawn = np.flatnonzero(patches.drawn)
     brightness = np.zeros(patches.count)
-    np.maximum.at(
-        brightness, deviation.mesh.triangle_patches, deviation.paint.colours.sum(axis=1)
-    )
+    np.maximum.at(brightness, deviation.mesh.triangle_patches, deviation.paint.colours.sum(axis=1))
     order = drawn[np.argsort(patches.deviation[drawn])]
     assert brightness[order[-1]] > 1.5 * brightness[order[0]]
 
