@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from terrain_lod.bezier import bezier
 from terrain_lod.bpt import load_bpt, save_bpt
 from terrain_lod.cracks import crack_report
+from terrain_lod.device import Device
 from terrain_lod.errors import FileError, InputError
 from terrain_lod.layout import FIXED_ONE, PARTITIONINGS
 from terrain_lod.reference import bezier as reference
@@ -79,6 +80,14 @@ def test_the_pot_is_watertight_and_faces_outwards(factor, partitioning):
     assert np.linalg.det(corners).sum() / 6 > 1.5  # its volume
 
 
+def test_a_group_of_work_items_makes_what_one_makes(monkeypatch):
+    alone = bezier(POT, factor=7.3)
+    monkeypatch.setattr(Device, "group_size", lambda self, wanted=64: wanted)
+    together = bezier(POT, factor=7.3)
+    np.testing.assert_array_equal(together.vertices, alone.vertices)
+    np.testing.assert_array_equal(together.normals, alone.normals)
+
+
 def test_the_pots_poles_have_the_axis_for_normal():
     mesh = bezier(POT, factor=7)
     on_axis = (mesh.vertices[:, :2] == 0).all(axis=1)
@@ -141,10 +150,9 @@ def test_a_corner_whose_edges_leave_in_one_direction_has_a_normal():
 
 def test_a_cusp_has_the_normal_of_its_neighbourhood():
     net = flat_net()
-    net[:, 1] = net[:, 0] = net[0, 0]  # two rows in one point: the first derivatives vanish
-    net[:2] = net[0, 0]
-    mesh = bezier([net], factor=5)
-    np.testing.assert_allclose(mesh.normals, np.tile([0, 0, 1], (len(mesh.normals), 1)), atol=1e-5)
+    net[:2] = net[:, :2] = net[0, 0]  # more in one point than first derivatives can tell
+    mesh = bezier([net[..., [2, 0, 1]]], factor=5)  # upright: not the normal of last resort
+    np.testing.assert_allclose(mesh.normals, np.tile([1, 0, 0], (len(mesh.normals), 1)), atol=1e-5)
 
 
 @pytest.mark.parametrize("net", [np.zeros((4, 4, 3)), np.ones((4, 4, 3)) * 7])

@@ -44,6 +44,15 @@ def test_rings_of_a_triangle(inside, counts):
     assert np.bincount(rings_of_points("triangle", parts(pattern)[0])).tolist() == counts
 
 
+@pytest.mark.parametrize(
+    ("domain", "counts"), [("quad", [32, 16, 2]), ("triangle", [24, 12, 1])]
+)  # fmt: skip
+def test_strips_have_the_triangles_between_their_rings(domain, counts):
+    edges, insides, _ = DOMAINS[domain]
+    pattern = tessellate(domain, [[5] * edges], [[5] * insides], partitioning="integer")
+    assert np.bincount(strips_of_triangles(domain, *parts(pattern))).tolist() == counts
+
+
 @pytest.mark.parametrize("domain", ["quad", "triangle"])
 @pytest.mark.parametrize("inside", [2, 3, 4.5, 7])
 def test_rings_are_closed_and_each_edge_is_there_once(domain, inside):

@@ -188,6 +188,15 @@ def test_counter_clockwise_is_the_mirror_image():
         np.testing.assert_array_equal(one.points, other.points)
 
 
+@pytest.mark.parametrize("keep_degenerate", [True, False])
+def test_a_group_of_work_items_makes_what_one_makes(keep_degenerate, monkeypatch):
+    alone = semi_uniform(ALL, keep_degenerate=keep_degenerate)
+    monkeypatch.setattr(Device, "group_size", lambda self, wanted=64: wanted)
+    together = semi_uniform(ALL, keep_degenerate=keep_degenerate)
+    np.testing.assert_array_equal(together.points, alone.points)
+    np.testing.assert_array_equal(together.triangles, alone.triangles)
+
+
 def test_culled_patches_make_nothing():
     pattern = semi_uniform([(2, 2, 2), (-1, 3, 3), (np.nan, 1, 1), (1, 0, 0)])
     np.testing.assert_array_equal(np.diff(pattern.triangle_offsets), [16, 0, 0, 4])

@@ -5,6 +5,7 @@ import pytest
 
 from terrain_lod.cracks import crack_report
 from terrain_lod.curves import CURVES, curve
+from terrain_lod.device import Device
 from terrain_lod.errors import InputError
 from terrain_lod.layout import FIXED_ONE, PARTITIONINGS
 from terrain_lod.reference import surfaces as reference
@@ -123,6 +124,15 @@ def test_the_equator_is_exact_in_the_quarters():
     mesh = surface("sphere", patches=(4, 2), factor=1)
     found = {tuple(p) for p in mesh.vertices.tolist()}
     assert found == {(1, 0, 0), (0, 1, 0), (-1, 0, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)}
+
+
+def test_a_group_of_work_items_makes_what_one_makes(monkeypatch):
+    alone = surface("klein", factor=6.1), curve("lissajous", factor=9)
+    monkeypatch.setattr(Device, "group_size", lambda self, wanted=64: wanted)
+    together = surface("klein", factor=6.1), curve("lissajous", factor=9)
+    np.testing.assert_array_equal(together[0].vertices, alone[0].vertices)
+    np.testing.assert_array_equal(together[0].normals, alone[0].normals)
+    np.testing.assert_array_equal(together[1].points, alone[1].points)
 
 
 @every_curve
