@@ -15,7 +15,7 @@ import threading
 import warnings
 import weakref
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import cache
 from math import prod
 from operator import index
@@ -27,7 +27,7 @@ import pyopencl as cl
 from pyopencl.tools import ImmediateAllocator, MemoryPool
 
 from . import layout
-from .device_info import DeviceInfo, find_device, gibibytes, listing
+from .device_info import DeviceInfo, find_device, listing, require_memory
 from .errors import DeviceError, DeviceMemoryError, InputError
 from .linker import provide_linker
 from .parameters import Parameter
@@ -35,11 +35,11 @@ from .sources import kernel_source, with_true_places
 from .timeline import Timeline
 
 DEVICE_VARIABLE: Final = "TERRAIN_LOD_DEVICE"
+PYOPENCL_VARIABLE: Final = "PYOPENCL_CTX"
+POCL: Final = "Portable Computing Language"
 
 # larger allocations are given back at once
 _LARGEST_KEPT: Final = 2**28
-PYOPENCL_VARIABLE: Final = "PYOPENCL_CTX"
-POCL: Final = "Portable Computing Language"
 
 _listing_process: int | None = None  # which process has listed devices
 _opening = threading.Lock()
@@ -64,10 +64,8 @@ def _handles() -> list[cl.Device]:
         return []
     found = []
     for platform in platforms:
-        try:
+        with suppress(cl.Error):  # a platform without a device
             found += platform.get_devices()
-        except cl.Error:  # a platform without a device
-            continue
     return sorted(found, key=lambda handle: not _is_gpu(handle))
 
 
@@ -88,14 +86,13 @@ def _info(handle: cl.Device) -> DeviceInfo:
 def _choose(name: str | None) -> cl.Device:
     handles = _handles()
     infos = [_info(handle) for handle in handles]
-    if handles and name is None and os.environ.get(PYOPENCL_VARIABLE):
+    choice = os.environ.get(PYOPENCL_VARIABLE)
+    if handles and name is None and choice:
         try:
             return cl.choose_devices(interactive=False)[0]
         except (cl.Error, RuntimeError) as error:
-            choice = f"{PYOPENCL_VARIABLE}={os.environ[PYOPENCL_VARIABLE]!r}"
-            raise DeviceError(
-                f"unknown device, {choice}: {error}; here: {listing(infos)}"
-            ) from None
+            what = f"unknown device, {PYOPENCL_VARIABLE}={choice!r}"
+            raise DeviceError(f"{what}: {error}; here: {listing(infos)}") from None
     return handles[find_device(infos, name)]
 
 
@@ -187,10 +184,8 @@ class Kernel:
         self.name: str = handle.function_name
         self.stage = stage
         self._handle = handle
-        self._parameters = {
-            parameter.name: parameter
-            for parameter in (self._parameter(index) for index in range(handle.num_args))
-        }
+        parameters = map(self._parameter, range(handle.num_args))
+        self._parameters = {parameter.name: parameter for parameter in parameters}
 
     def _parameter(self, index: int) -> Parameter:
         info, qualifiers = cl.kernel_arg_info, cl.kernel_arg_address_qualifier
@@ -211,10 +206,8 @@ class Kernel:
             self._convert(parameter, arguments[name])
             for name, parameter in self._parameters.items()
         ]
-        padded = tuple(
-            -(-extent // local) * local
-            for extent, local in zip(global_size, local_size, strict=True)
-        )
+        extents = zip(global_size, local_size, strict=True)
+        padded = tuple(-(-extent // local) * local for extent, local in extents)
         if 0 in padded:
             return
         what = f"kernel {self.name} on {padded} work-items in groups of {local_size}"
@@ -302,15 +295,7 @@ class Device:
         DeviceMemoryError
             With the bytes wanted and had.
         """
-        for wanted, had, where in (
-            (sum(nbytes), self.info.memory - self.allocated, "free"),
-            (max(nbytes), self.info.largest_buffer, "in one buffer"),
-        ):
-            if wanted > had:
-                raise DeviceMemoryError(
-                    f"{what} wants {gibibytes(wanted)} ({wanted} bytes), {self.info.name} has "
-                    f"{gibibytes(had)} ({had} bytes) {where}: use a smaller raster or larger device"
-                )
+        require_memory(self.info, self.allocated, what, nbytes)
 
     def require_doubles(self, what: str) -> None:
         """Refuse `what` where the device has no 64-bit floats."""

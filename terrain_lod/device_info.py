@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from .errors import DeviceError
+from .errors import DeviceError, DeviceMemoryError
 
 
 @dataclass(frozen=True)
@@ -75,3 +75,22 @@ def find_device(infos: Sequence[DeviceInfo], name: str | None) -> int:
 def listing(infos: Sequence[DeviceInfo]) -> str:
     """Return the devices with their numbers, on one line."""
     return "; ".join(f"{number}: {info}" for number, info in enumerate(infos))
+
+
+def require_memory(info: DeviceInfo, allocated: int, what: str, nbytes: Sequence[int]) -> None:
+    """Refuse allocations of `nbytes` each where `allocated` bytes are taken already.
+
+    Raises
+    ------
+    DeviceMemoryError
+        With the bytes wanted and had.
+    """
+    for wanted, had, where in (
+        (sum(nbytes), info.memory - allocated, "free"),
+        (max(nbytes), info.largest_buffer, "in one buffer"),
+    ):
+        if wanted > had:
+            raise DeviceMemoryError(
+                f"{what} wants {gibibytes(wanted)} ({wanted} bytes), {info.name} has "
+                f"{gibibytes(had)} ({had} bytes) {where}: use a smaller raster or larger device"
+            )

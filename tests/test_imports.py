@@ -49,7 +49,7 @@ ROOMS = {
     # many meshes to a page, or to a window
     "reports": (
         "report* compare* stability* demo flyover viewer*",
-        "values files meshes device stages chains sinks",
+        "values files meshes reference device stages chains sinks",
     ),
     # know everything; nothing imports them
     "commands": (
