@@ -219,6 +219,9 @@ def test_a_click_tells_what_is_there(controls):
     mark = np.array(window._mark.mapper.GetInput().GetPoint(0)) + window._origin
     (pixel,), _ = window.camera.project([mark])
     assert pixel == pytest.approx([160, SIZE[1] - 60], abs=6)
+    window.drive(window.rig.look(0.0, 60.0))
+    window.settle()
+    window.draw()
     drag(controls, (160, SIZE[1] - 2), (160, SIZE[1] - 2))
     assert window.note == "nothing there"
 
