@@ -43,7 +43,8 @@ inline float2 sample_gradient(const Ground ground, int row, int column)
 {
     float east = 0.0f, south = 0.0f, east_weights = 0.0f, south_weights = 0.0f;
     for (int step = -1; step <= 1; ++step) {
-        const float weight = step == 0 ? 2.0f : 1.0f;
+        // they add up to 1, so that no sum is larger than a difference
+        const float weight = step == 0 ? 0.5f : 0.25f;
         if (row + step >= 0 && row + step < ground.grid.rows)
             add_difference(ground, row + step, column, 0, 1, weight, &east, &east_weights);
         if (column + step >= 0 && column + step < ground.grid.columns)
@@ -76,6 +77,8 @@ inline bool is_inner_cell(const Ground ground, int row, int column)
 //
 //         fraction x           1 - x   2 - x   1 + x   x       across the differences
 //                             -(1 - x)  -x     1 - x   x       along them
+//
+//     each an eighth of that, so that no sum is larger than a difference
 inline float2 inner_gradient(const Ground ground, int row, int column, float x, float y)
 {
     const size_t stride = ground.grid.columns;
@@ -84,14 +87,14 @@ inline float2 inner_gradient(const Ground ground, int row, int column, float x, 
     const float4 b = *(__global const Samples4 *)(corner + stride);
     const float4 c = *(__global const Samples4 *)(corner + 2 * stride);
     const float4 d = *(__global const Samples4 *)(corner + 3 * stride);
-    const float2 eastward = (1.0f - y) * (a.zw - a.xy) + (2.0f - y) * (b.zw - b.xy)
-                          + (1.0f + y) * (c.zw - c.xy) + y * (d.zw - d.xy);
-    const float4 northward = (1.0f - y) * (a - c) + y * (b - d);
+    const float eighth = 0.125f;
+    const float2 eastward = eighth * (1.0f - y) * (a.zw - a.xy) + eighth * (2.0f - y) * (b.zw - b.xy)
+                          + eighth * (1.0f + y) * (c.zw - c.xy) + eighth * y * (d.zw - d.xy);
+    const float4 northward = eighth * (1.0f - y) * (a - c) + eighth * y * (b - d);
     const float west_to_east = (1.0f - x) * eastward.x + x * eastward.y;
     const float south_to_north = (1.0f - x) * northward.x + (2.0f - x) * northward.y
                                + (1.0f + x) * northward.z + x * northward.w;
-    return (float2)(west_to_east / (8.0f * ground.grid.dx),
-                    south_to_north / (8.0f * ground.grid.dy));
+    return (float2)(west_to_east / ground.grid.dx, south_to_north / ground.grid.dy);
 }
 
 // unit normal of a surface with this gradient

@@ -22,7 +22,6 @@ from .cli_options import (
     DetailOptions,
     EdgeRule,
     Factor,
-    FormulaEdgeRule,
     Ground,
     GroundOptions,
     LodName,
@@ -31,6 +30,7 @@ from .cli_options import (
 )
 from .cli_output import PROGRAM, complain, log, progress_bar, say, say_table, set_verbosity, warn
 from .cli_pattern import pattern
+from .cli_report import report
 from .cli_smooth import smooth
 from .cli_view import view
 from .errors import TerrainError
@@ -210,54 +210,6 @@ def mesh(
     say(str(crack_report(made)))
 
 
-@app.command(sort_key=4)
-def report(
-    ground: Ground,
-    /,
-    *,
-    output: OutputFolder,
-    edges: FormulaEdgeRule = "min",
-    reading: GroundOptions = GroundOptions(),  # noqa: B008
-    view: CameraOptions = CameraOptions(),  # noqa: B008
-    detail: DetailOptions = DetailOptions(),  # noqa: B008
-    terrain: TerrainOptions = TerrainOptions(),  # noqa: B008
-) -> None:
-    """Compare distance LOD with coplanarity LOD: triangles, error, time, pictures.
-
-    Parameters
-    ----------
-    ground
-        A raster file or the name of a bundled sample.
-    output
-        Folder to write, made if it is not there.
-    edges
-        Factor of an edge between two tiles: the lower of what they want, or the higher.
-    """
-    from .report import report as write
-
-    distance, coplanarity = detail.both()
-    heights = reading.load(ground)
-    log("%r", heights)
-    with progress_bar("comparing") as progress:
-        made = write(
-            heights,
-            output,
-            camera=view.over(heights),
-            tile=terrain.tile,
-            plane=terrain.plane,
-            edges=edges,
-            distance=distance,
-            coplanarity=coplanarity,
-            device=terrain.open(),
-            progress=progress,
-        )
-    for sentence in made.verdict:
-        say(sentence)
-    say(str(made.files["html"]))
-    if made.no_pictures is not None:
-        warn(made.no_pictures)
-
-
 @app.command(sort_key=5)
 def samples() -> None:
     """List the bundled grounds."""
@@ -281,6 +233,7 @@ def doctor() -> int:
     return run_doctor()
 
 
+app.command(report, sort_key=4)
 app.command(view, sort_key=7)
 app.command(smooth, sort_key=8)
 app.command(pattern, sort_key=9)

@@ -27,9 +27,16 @@ _HEADS: Final = (
     "Kept",
     "Pop, px",
     "Whole, ms",
-    "from – to",
+)
+_COST_HEADS: Final = (
+    "",
+    "Edges",
+    "Triangles",
+    "Whole, ms",
+    "least – most",
     "First, ms",
     "View, ms",
+    "least – most",
     "Mesh, MB",
     "Device, MB",
     "Peak, MB",
@@ -97,14 +104,23 @@ def _sections(made: SweepReport) -> Iterator[str]:
             "Errors are measured at every sample, from the triangles, by the same code for all; "
             "in pixels at every sample in view. Kept: whether the error asked for is the error "
             "measured, and by which factor it was missed if not. Pop: how far the surface jumps to "
-            "the next of 240 pictures of the flight. Whole: from raster in host memory to mesh in "
-            "host memory, terrain and error ladder included, warm, median, and least to most. "
-            "First: the first call, in which kernels may have been built. View: one more camera. "
-            "Device: held there for terrain and mesh. Peak: host memory taken by the first call.",
+            "the next of 240 pictures of the flight.",
             kind="soft",
         ),
         listing(_HEADS, map(_line, made.sweep), words=2),
         *(_absent(made.missing) if made.missing else ()),
+    )
+    yield section(
+        "Time and memory",
+        paragraph(
+            "Whole: from raster in host memory to mesh in host memory, terrain and error ladder "
+            "included, warm; median, and least to most of up to three. First: the first call, in "
+            "which kernels may have been built. View: one more camera, the terrain being there. "
+            "Mesh: its positions, normals and corners. Device: held there for terrain and mesh. "
+            "Peak: host memory that the first call took on top, where the system tells.",
+            kind="soft",
+        ),
+        listing(_COST_HEADS, map(_cost_line, made.sweep), words=2),
     )
     yield section(
         "Tile sizes",
@@ -159,27 +175,41 @@ def _seen(made: SweepReport) -> str:
 
 
 def _line(result: Result) -> list[str]:
-    times, contender = result.times, result.contender
-    if not _asks(result):
-        kept = ""
-    else:
+    contender, kept = result.contender, ""
+    if _asks(result):
         kept = "yes" if result.broken is None else f"× {result.broken:.3g}"
-    label = contender.label.removesuffix(f", {contender.edges}")
     return [
-        label,
-        contender.edges,
-        f"{result.triangles:,}",
+        *_who(result),
         *map(_short, (result.metres, result.metres_rms, result.pixels, result.pixels_rms)),
         kept,
         "static" if contender.is_static else _short(result.pop),
-        _short(1e3 * times.whole),
-        f"{_short(1e3 * times.whole_low)} – {_short(1e3 * times.whole_high)}",
-        _short(1e3 * times.first),
-        "" if times.view is None else _short(1e3 * times.view),
+        _milliseconds(result.times.whole),
+    ]
+
+
+def _cost_line(result: Result) -> list[str]:
+    times = result.times
+    return [
+        *_who(result),
+        _milliseconds(times.whole),
+        f"{_milliseconds(times.whole_low)} – {_milliseconds(times.whole_high)}",
+        _milliseconds(times.first),
+        _milliseconds(times.view),
+        f"{_milliseconds(times.view_low)} – {_milliseconds(times.view_high)}".strip(" –"),
         f"{result.mesh_bytes / 1e6:.1f}",
         f"{result.device_bytes / 1e6:.1f}" if result.device_bytes else "",
         "" if times.peak_bytes is None else f"{times.peak_bytes / 1e6:.0f}",
     ]
+
+
+def _who(result: Result) -> tuple[str, str, str]:
+    contender = result.contender
+    label = contender.label.removesuffix(f", {contender.edges}")
+    return label, contender.edges, f"{result.triangles:,}"
+
+
+def _milliseconds(seconds: float | None) -> str:
+    return "" if seconds is None else _short(1e3 * seconds)
 
 
 def _short(value: float) -> str:

@@ -102,10 +102,12 @@ def martini(heights: Heights, metres: float) -> tuple[npt.NDArray[Any], Corners]
     tile = Martini(size + 1).create_tile(np.ascontiguousarray(square, np.float32))
     corners, triangles = tile.get_mesh(metres)
     places = np.asarray(corners).reshape(-1, 2).astype(np.intp)
-    triangles = np.asarray(triangles).reshape(-1, 3).astype(np.int32)
-    inside = (places < (columns - 1, rows - 1))[triangles].any(axis=1).all(axis=1)
+    triangles = np.asarray(triangles).reshape(-1, 3)
+    # some corner above the last row, and some before the last column
+    is_before = (places < (columns - 1, rows - 1))[triangles]
+    inside = np.all(np.any(is_before, axis=1), axis=1)
     points = np.column_stack([places, square[places[:, 1], places[:, 0]]])
-    return points, triangles[inside]
+    return points, triangles[inside].astype(np.int32)
 
 
 def vtk_greedy(heights: Heights, metres: float) -> tuple[npt.NDArray[Any], Corners]:

@@ -75,7 +75,7 @@ def _draw(ax: Axes, results: Sequence[Result], pair: Pair) -> None:
     """Draw a line a family, on scales of powers; what is exact has no place on them."""
     for family, (colour, mark) in _LOOKS.items():
         points = [pair(result) for result in results if _is_drawn(result, family)]
-        points = sorted((cost, error) for cost, error in points if error > 0)
+        points = sorted((pair for pair in points if pair[1] > 0), key=lambda pair: pair[1])
         if not points:
             continue
         is_peer = mark != "o"

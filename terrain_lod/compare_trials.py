@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from statistics import median
 from typing import Final
@@ -212,14 +213,22 @@ class Course:
             seconds = [_seconds(whole)[0]]
             while len(seconds) < _REPEATS and sum(seconds) <= _LONG:
                 seconds.append(_seconds(whole)[0])
-        if contender.peer is None:
-            self.mesh(contender, camera)  # builds the ladder
-            views = [_seconds(lambda at=at: self.mesh(contender, at))[0] for at in self.cameras]
-            view: tuple[float | None, ...] = (median(views), min(views), max(views))
-        else:
-            view = (None, None, None)
-        taken = None if held is None or peak is None else max(peak - held, 0)
-        return Times(first, median(seconds), min(seconds), max(seconds), *view, taken), mesh
+        view = [] if contender.peer is not None else self._views(contender)
+        return Times(
+            first=first,
+            whole=median(seconds),
+            whole_low=min(seconds),
+            whole_high=max(seconds),
+            view=median(view) if view else None,
+            view_low=min(view, default=None),
+            view_high=max(view, default=None),
+            peak_bytes=None if held is None or peak is None else max(peak - held, 0),
+        ), mesh
+
+    def _views(self, contender: Contender) -> list[float]:
+        """Return the seconds of a mesh for each camera, the terrain and its ladder being there."""
+        self.mesh(contender, self.cameras[0])
+        return [_seconds(partial(self.mesh, contender, camera))[0] for camera in self.cameras]
 
 
 def run(

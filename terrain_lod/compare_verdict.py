@@ -24,13 +24,15 @@ def findings(
 def speeds(sweep: Sequence[Result]) -> list[str]:
     """Return sentences about time, which differ from run to run."""
     sentences = []
-    for ours, theirs in _same_tolerance(sweep, "pydelatin"):
-        factor = theirs.times.whole / ours.times.whole
-        sentences.append(
-            f"From raster to mesh within {_number(ours.contender.parameter)} m, MaxErrorLod takes "
-            f"{_milliseconds(ours.times.whole)} and pydelatin "
-            f"{_milliseconds(theirs.times.whole)}: {_times_as(factor, 'as fast', 'as slow')}."
+    pairs = list(_same_tolerance(sweep, "pydelatin"))
+    if pairs:
+        each = "; ".join(
+            f"{_number(ours.contender.parameter)} m: {_milliseconds(ours.times.whole)} against "
+            f"{_milliseconds(theirs.times.whole)}, "
+            f"{_times_as(theirs.times.whole / ours.times.whole, 'as fast', 'as slow')}"
+            for ours, theirs in pairs
         )
+        sentences.append(f"From raster to mesh, MaxErrorLod against pydelatin: {each}.")
     seen = _find(sweep, "ScreenErrorLod", 1.0)
     if seen is not None and seen.times.view:
         sentences.append(
@@ -59,20 +61,19 @@ def _promises(sweep: Sequence[Result]) -> Iterator[str]:
 
 
 def _counts(sweep: Sequence[Result]) -> Iterator[str]:
-    ratios = [
-        (ours.contender.parameter, ours.triangles / theirs.triangles, ours, theirs)
-        for ours, theirs in _same_tolerance(sweep, "pydelatin")
-    ]
-    for metres, ratio, ours, theirs in ratios:
+    pairs = list(_same_tolerance(sweep, "pydelatin"))
+    if not pairs:
+        return
+    each = "; ".join(
+        f"{_number(ours.contender.parameter)} m: {ours.triangles:,} against "
+        f"{theirs.triangles:,}, {ours.triangles / theirs.triangles:.3g} times"
+        for ours, theirs in pairs
+    )
+    yield f"Triangles within an error everywhere, MaxErrorLod against pydelatin: {each}."
+    if any(ours.triangles > theirs.triangles for ours, theirs in pairs):
         yield (
-            f"Within {_number(metres)} m everywhere, MaxErrorLod needs {ours.triangles:,} "
-            f"triangles and pydelatin {theirs.triangles:,}: "
-            f"{_times_as(ratio, 'as many', 'fewer', inverse=True)}."
-        )
-    if any(ratio > 1 for _, ratio, _, _ in ratios):
-        yield (
-            "A greedy Delaunay triangulation is a near-optimal static mesh: for one mesh that "
-            "serves every view, and time enough, it is the better choice."
+            "A greedy Delaunay triangulation is a near-optimal static mesh: where triangles count "
+            "most and one mesh serves every view, it is the better choice."
         )
 
 
@@ -142,12 +143,8 @@ def _find(results: Sequence[Result], family: str, parameter: float) -> Result | 
     return None
 
 
-def _times_as(ratio: float, more: str, less: str, *, inverse: bool = False) -> str:
-    if ratio >= 1:
-        return f"{ratio:.3g} times {more}"
-    if inverse:
-        return f"{1 - ratio:.0%} {less}"
-    return f"{1 / ratio:.3g} times {less}"
+def _times_as(ratio: float, more: str, less: str) -> str:
+    return f"{ratio:.3g} times {more}" if ratio >= 1 else f"{1 / ratio:.3g} times {less}"
 
 
 def _number(value: float) -> str:
@@ -155,4 +152,4 @@ def _number(value: float) -> str:
 
 
 def _milliseconds(seconds: float) -> str:
-    return f"{1e3 * seconds:.3g} ms"
+    return f"{1e3 * seconds:,.0f} ms" if seconds >= 1 else f"{1e3 * seconds:.3g} ms"
