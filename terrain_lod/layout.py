@@ -24,8 +24,8 @@ EDGES: Final = 4  # u = 0, v = 0, u = 1, v = 1
 INSIDES: Final = 2  # along u, along v
 FRUSTUM_PLANES: Final = 6
 
-# curved patches of a mesh: own corners, both corners of the neighbour at each edge, the corners that
-# speak for all at the same position
+# curved patches of a mesh: own corners, both corners of the neighbour at each edge, the corners
+# that speak for all at the same position
 PATCH_ADJACENT: Final = 3
 PATCH_DOMINANT: Final = 9
 PATCH_INDICES: Final = 12

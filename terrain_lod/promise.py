@@ -91,7 +91,7 @@ class Promise:
             edges=self.edges,
             cull=self.cull,
         )
-        for rounds in range(1, _MOST_ROUNDS + 1):  # noqa: B007
+        for rounds in range(1, _MOST_ROUNDS + 1):
             selection.choose()
             # what did not change was measured before
             pattern = self.tessellate(
