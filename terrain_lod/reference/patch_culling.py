@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import product
+from math import factorial
 from typing import Any
 
 import numpy as np
@@ -13,16 +14,25 @@ from .pn import CUBIC
 Array = npt.NDArray[np.float64]
 
 
-def _tangents(controls: Array) -> tuple[list[Array], list[Array]]:
-    """Return the six control vectors of the derivative along u and along v, both against w."""
+def _control_normals(controls: Array) -> Array:
+    """Return the fifteen control normals of a patch's normal, which is of degree four; (15, 3).
+
+    The product, in Bernstein form, of the derivatives along u and along v against w. Their lengths
+    mean nothing.
+    """
     place = {power: index for index, power in enumerate(CUBIC)}
-    across, along = [], []
+    across, along = {}, {}
     for i, j, k in product(range(3), repeat=3):
         if i + j + k == 2:
+            times = 2 / (factorial(i) * factorial(j) * factorial(k))
             origin = controls[place[i, j, k + 1]]
-            across.append(controls[place[i + 1, j, k]] - origin)
-            along.append(controls[place[i, j + 1, k]] - origin)
-    return across, along
+            across[i, j] = times * (controls[place[i + 1, j, k]] - origin)
+            along[i, j] = times * (controls[place[i, j + 1, k]] - origin)
+    normals: dict[tuple[int, int], Array] = {}
+    for (i, j), a in across.items():
+        for (k, m), b in along.items():
+            normals[i + k, j + m] = normals.get((i + k, j + m), 0) + np.cross(a, b)
+    return np.array(list(normals.values()))
 
 
 def back_cosine_of(controls: Array, view: npt.NDArray[Any]) -> float:
@@ -42,8 +52,7 @@ def back_cosine_of(controls: Array, view: npt.NDArray[Any]) -> float:
     if view["parallel"]:
         rays = view["axes"][2][None].astype(np.float64)
     rays = rays / np.linalg.norm(rays, axis=1, keepdims=True)
-    across, along = _tangents(controls)
-    normals = np.array([np.cross(a, b) for a in across for b in along])
+    normals = _control_normals(controls)
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     return float((normals / np.where(lengths > 0, lengths, 1.0) @ rays.T).min())
 

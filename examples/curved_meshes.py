@@ -1,0 +1,47 @@
+"""Before and after: five meshes curved, shaded and as wireframe, on one sheet."""
+
+import numpy as np
+import pyvista
+from PIL import Image
+from pyvista import examples
+
+import terrain_lod as tl
+from terrain_lod.cracks import crack_report
+from terrain_lod.mesh_loading import load_mesh
+from terrain_lod.patch_factors import SilhouetteFactor
+from terrain_lod.render import render
+from terrain_lod.smooth import pn_triangles
+
+
+def camera_at(mesh: tl.Mesh) -> tl.Camera:
+    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+    middle, size = (low + high) / 2, np.linalg.norm(high - low)
+    eye = middle + size * np.array([0.4, -0.85, 0.5])
+    return tl.Camera(tuple(eye.tolist()), tuple(middle.tolist()), fov=45, size=(320, 280))
+
+
+pyvista.Cone(resolution=14).triangulate().save("cone.vtk")
+pyvista.ParametricTorus(u_res=13, v_res=9, w_res=3).save("torus.vtk")
+
+rows = []
+for name, path, sharp in (
+    ("ant", examples.antfile, True),
+    ("nut, smooth", examples.nutfile, True),
+    ("nut, sharp from 30 degrees", examples.nutfile, 30.0),
+    ("torus", "torus.vtk", True),
+    ("cone, sharp from 60 degrees", "cone.vtk", 60.0),
+):
+    mesh = load_mesh(path)
+    camera = camera_at(mesh)
+    smooth = pn_triangles(mesh, 7, sharp=sharp)
+    outline = pn_triangles(mesh, lod=SilhouetteFactor(), camera=camera, sharp=sharp)
+    print(f"{name}: {mesh} -> {smooth}, {crack_report(smooth)}")
+    pictures = [
+        render(mesh, camera),
+        render(smooth, camera),
+        render(mesh, camera, style="wireframe"),
+        render(smooth, camera, style="wireframe"),
+        render(outline, camera, style="wireframe"),
+    ]
+    rows.append(np.concatenate(pictures, axis=1))
+Image.fromarray(np.concatenate(rows)).save("curved_meshes.png")
