@@ -10,6 +10,7 @@ from typing import Final
 
 from . import (
     checks_amplify,
+    checks_displaced,
     checks_pn,
     checks_promise,
     checks_queries,
@@ -43,6 +44,8 @@ CHECKS: Final[Checks] = {
     "pn_blend": checks_pn.check_pn_blend,
     "displaced": checks_pn.check_displaced,
     "decals": checks_pn.check_decals,
+    "displaced_normals": checks_displaced.check_displaced_normals,
+    "decal_reach": checks_displaced.check_decal_reach,
     "amplify": checks_amplify.check_amplify,
     "vertical_error": checks_terrain.check_vertical_error,
     "queries_ground": checks_queries.check_queries_ground,

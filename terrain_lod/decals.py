@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
 from . import layout
-from .adjacency import EDGE_ENDS, Adjacency
+from .adjacency import Adjacency
 from .arguments import finite, one_of, positive
 from .buffers import DeviceFactors
 from .camera import Point
 from .device import Device, DeviceArray
-from .displaced import checked_map, plane_patches, resurfaced_normals
+from .displaced import checked_map, plane_patches
+from .displaced_normals import corner_kinds, renew_normals_on_device
 from .errors import InputError
 from .mesh import Mesh
 from .patch_factors import checked_factor
@@ -24,6 +25,7 @@ from .smooth import require_curvable, unit_normals
 from .tessellator import tessellate_device
 
 _GROUP: Final = 64
+_RUN: Final = 32  # points that a CPU asks together which decals are near
 
 Array = npt.NDArray[np.float64]
 
@@ -172,34 +174,72 @@ def dent(
     adjacency = Adjacency.of(mesh)
     device = device or Device.open()
     with device.timed() as timeline:
-        patches = DevicePatchMesh.upload(
-            mesh.vertices, unit_normals(mesh.normals), adjacency, device
-        )
+        unit = unit_normals(mesh.normals)
+        patches = DevicePatchMesh.upload(mesh.vertices, unit, adjacency, device)
         nets = nets_on_device(patches if curved else plane_patches(patches, adjacency))
-        edges, insides = reached(mesh, adjacency, _bulges(nets), decals)
-        factors = DeviceFactors(
-            *(
-                device.array(np.where(reach, factor, elsewhere).astype(np.float32))
-                for reach in (edges, insides)
-            )
-        )
+        records = np.array([decal.record(mesh.origin) for decal in decals], layout.DECAL)
+        factors = reach_on_device(patches, nets, records, factor, elsewhere)
         pattern = tessellate_device(
             "triangle", factors.edge, factors.inside, partitioning, clockwise=True
         )
         vertices = evaluate_on_device(nets, pattern)
-        records = np.array([decal.record(mesh.origin) for decal in decals], layout.DECAL)
         dent_on_device(vertices.positions, records, raster)
-        dented, before = vertices.positions.host(), vertices.normals.host()
-        triangles = pattern.primitives.host()
-    normals = resurfaced_normals(dented, before, triangles)
-    return replace(
-        mesh,
-        vertices=dented,
-        normals=normals,
-        triangles=triangles,
-        patches=None,
-        timings=timeline.seconds,
+        renew_normals_on_device(
+            patches, corner_kinds(mesh.vertices, unit, adjacency), factors, partitioning,
+            pattern, vertices.positions, vertices.normals,
+        )  # fmt: skip
+        return Mesh(
+            vertices.positions.host(),
+            vertices.normals.host(),
+            pattern.primitives.host(),
+            mesh.origin,
+            mesh.crs,
+            timings=timeline.seconds,
+        )
+
+
+def reach_on_device(
+    mesh: DevicePatchMesh,
+    nets: DeviceArray,
+    decals: npt.NDArray[np.void],
+    factor: float,
+    elsewhere: float,
+) -> DeviceFactors:
+    """Return `factor` for edges and insides that any ``layout.DECAL`` record reaches.
+
+    An edge, if the hit is within the radius of it. An inside, if one of its edges is reached, or if
+    the hit is above the triangle, and within the radius of its plane.
+    """
+    device, count, edges = mesh.device, mesh.count, mesh.sides.shape[0]
+    made = DeviceFactors(device.empty((count, 3), np.float32), device.empty((count, 1), np.float32))
+    reached = device.zeros(edges, np.int32)
+    # no array is empty on a device
+    hits = device.array(decals if len(decals) else np.zeros(1, layout.DECAL))
+    device.kernel("decal_reach.cl", "edges")(
+        (edges,),
+        (_GROUP,),
+        edge_count=edges,
+        decal_count=len(decals),
+        decals=hits,
+        sides=mesh.sides,
+        nets=nets,
+        reached=reached,
     )
+    device.kernel("decal_reach.cl", "patches")(
+        (count,),
+        (_GROUP,),
+        triangles=count,
+        decal_count=len(decals),
+        factor=factor,
+        elsewhere=elsewhere,
+        decals=hits,
+        edges=mesh.edges,
+        reached=reached,
+        nets=nets,
+        edge_factors=made.edge,
+        inside_factors=made.inside,
+    )
+    return made
 
 
 def dent_on_device(
@@ -209,8 +249,9 @@ def dent_on_device(
     if not len(decals):
         return
     device, count = positions.device, positions.shape[0]
-    device.kernel("decals.cl", "decals")(
-        (count,),
+    run = 1 if device.is_gpu else _RUN
+    device.kernel("decals.cl", "decals", RUN=run)(
+        (-(-count // run),),
         (_GROUP,),
         points=count,
         decal_count=len(decals),
@@ -220,48 +261,6 @@ def dent_on_device(
         columns=depths.shape[1],
         positions=positions,
     )
-
-
-def reached(
-    mesh: Mesh, adjacency: Adjacency, bulges: Array, decals: Sequence[Decal]
-) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
-    """Return which edges (T, 3) and insides (T, 1) of triangles any decal reaches.
-
-    An edge, if its distance to the hit is within the radius. The inside, if one of its edges is, or
-    if the hit is within the radius of the triangle's plane, and above the triangle. The (T,)
-    `bulges` are how far curved patches may leave their planes: they add to the radius.
-    """
-    corners = mesh.vertices[mesh.triangles].astype(np.float64)
-    starts, ends = corners[:, EDGE_ENDS[:, 0]], corners[:, EDGE_ENDS[:, 1]]
-    along = ends - starts
-    squares = np.maximum((along**2).sum(axis=-1), np.finfo(np.float64).tiny)
-    planes = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    areas = np.maximum(np.linalg.norm(planes, axis=1, keepdims=True), np.finfo(np.float64).tiny)
-    planes = planes / areas
-    edges, above = np.zeros(starts.shape[:2], bool), np.zeros(len(corners), bool)
-    for decal in decals:
-        hit = np.subtract(decal.point, mesh.origin)
-        t = np.clip(((hit - starts) * along).sum(axis=-1) / squares, 0, 1)[..., None]
-        distances = np.linalg.norm(starts + t * along - hit, axis=-1)
-        edges |= distances <= (decal.radius + bulges)[:, None]
-        height = np.abs(((hit - corners[:, 0]) * planes).sum(axis=-1))
-        sides = (np.cross(along, hit - starts) * planes[:, None]).sum(axis=-1)
-        above |= (height <= decal.radius + bulges) & (sides >= 0).all(axis=1)
-    # both sides of an edge refine it if one does
-    of_edge = np.zeros(len(adjacency.sides), bool)
-    np.logical_or.at(of_edge, adjacency.edges, edges)
-    shared = of_edge[adjacency.edges]
-    return shared, (shared.any(axis=1) | above)[:, None]
-
-
-def _bulges(nets: DeviceArray) -> Array:
-    """Return how far patches may leave their plane triangles; (T,).
-
-    The lifts enter with weights of no more than uv + vw + wu <= 1/3, the middle with uvw <= 1/27.
-    """
-    lengths = np.linalg.norm(nets.host().astype(np.float64), axis=-1)
-    found: Array = lengths[:, 3:9].max(axis=1) / 3 + lengths[:, 9] / 27
-    return found
 
 
 def _point(vector: Array) -> Point:

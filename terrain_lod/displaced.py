@@ -12,9 +12,9 @@ from . import layout
 from .adjacency import EDGE_ENDS, Adjacency
 from .arguments import finite, one_of, positive
 from .device import Device, DeviceArray
+from .displaced_normals import corner_kinds, renew_normals_on_device
 from .errors import InputError
 from .mesh import Mesh
-from .mesh_loading import vertex_normals
 from .open_edges import weld
 from .patch_factors import checked_factor
 from .pattern import DevicePattern
@@ -104,16 +104,18 @@ def displace(
             patches, adjacency, shared_normals(mesh.vertices, normals), raster, coordinates,
             pattern, vertices.positions, scale=scale, bias=bias,
         )  # fmt: skip
-        moved, before = vertices.positions.host(), vertices.normals.host()
-        triangles = pattern.primitives.host()
-    return Mesh(
-        moved,
-        resurfaced_normals(moved, before, triangles),
-        triangles,
-        mesh.origin,
-        mesh.crs,
-        timings=timeline.seconds,
-    )
+        renew_normals_on_device(
+            patches, corner_kinds(mesh.vertices, normals, adjacency), factors, partitioning,
+            pattern, vertices.positions, vertices.normals,
+        )  # fmt: skip
+        return Mesh(
+            vertices.positions.host(),
+            vertices.normals.host(),
+            pattern.primitives.host(),
+            mesh.origin,
+            mesh.crs,
+            timings=timeline.seconds,
+        )
 
 
 def displace_on_device(
@@ -186,23 +188,6 @@ def shared_normals(
     lengths[lost] = 1.0
     mean: npt.NDArray[np.float32] = (sums / lengths[:, None]).astype(np.float32)[points]
     return mean
-
-
-def resurfaced_normals(
-    moved: npt.NDArray[np.float32],
-    before: npt.NDArray[np.float32],
-    triangles: npt.NDArray[np.int32],
-) -> npt.NDArray[np.float32]:
-    """Return normals of a displaced surface, the mean of its triangles'; (N, 3) float32.
-
-    Vertices at the same position that had the same normal `before` have one now.
-    """
-    points, kinds = weld(moved), weld(before)
-    keys, index = np.unique(points * (kinds.max(initial=0) + 1) + kinds, return_inverse=True)
-    places = np.empty((len(keys), 3), np.float32)
-    places[index] = moved
-    normals = vertex_normals(places, index.astype(np.int32)[triangles])[index]
-    return normals.astype(np.float32)
 
 
 def variation_factors(

@@ -1,4 +1,4 @@
-"""Displacement by a map and by decals in float64: ``kernels/displaced.cl`` and ``decals.cl``."""
+"""Displaced meshes and decals in float64: ``kernels/displaced*.cl`` and ``kernels/decal*.cl``."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+
+from ..open_edges import weld
 
 Array = npt.NDArray[np.float64]
 
@@ -75,6 +77,70 @@ def dented(position: Array, decals: npt.NDArray[np.void], depths: npt.NDArray[An
             depth = bilinear(depths, x / radius / 2 + 0.5, y / radius / 2 + 0.5, repeats=False)
             moved -= normal * (float(decal["bias"]) + float(decal["scale"]) * depth)
     return moved
+
+
+def reached(
+    corners: Array,
+    edges: npt.NDArray[np.int32],
+    bulges: Array,
+    decals: npt.NDArray[np.void],
+) -> tuple[Array, Array]:
+    """Return how near decals come to being out of reach: above 0 where one reaches.
+
+    Parameters
+    ----------
+    corners : (T, 3, 3)
+        Of the plane triangles.
+    edges : (T, 3) int32
+        Numbers of their edges, opposite each corner.
+    bulges : (T,)
+        How far curved patches may leave their planes.
+    decals : layout.DECAL records
+
+    Returns
+    -------
+    (E,), (T,)
+        For each edge by all triangles there, and for what is above each triangle; in world units.
+    """
+    of_edge = np.full(edges.max(initial=-1) + 1, -np.inf)
+    above = np.full(len(corners), -np.inf)
+    for triangle, points in enumerate(corners):
+        plane = _unit(np.cross(points[1] - points[0], points[2] - points[0]))
+        for decal in decals:
+            hit, radius = decal["point"].astype(np.float64), decal["radius"] + bulges[triangle]
+            inside = radius - abs((hit - points[0]) @ plane)
+            for side, (i, j) in enumerate(_EDGES):
+                along = points[j] - points[i]
+                t = np.clip((hit - points[i]) @ along / (along @ along or 1.0), 0, 1)
+                near = radius - np.linalg.norm(points[i] + t * along - hit)
+                edge = edges[triangle, side]
+                of_edge[edge] = max(of_edge[edge], near)
+                inside = min(inside, np.cross(_unit(along), hit - points[i]) @ plane)
+            above[triangle] = max(above[triangle], inside)
+    return of_edge, above
+
+
+def renewed_normals(
+    moved: npt.NDArray[np.float32],
+    before: npt.NDArray[np.float32],
+    triangles: npt.NDArray[np.int32],
+) -> Array:
+    """Return the normals of a surface whose points were moved; (N, 3).
+
+    The sum of the cross products of all triangles at the point's position whose normal there was
+    the same `before`; that one where they cancel.
+    """
+    groups = weld(moved) * (weld(before).max(initial=0) + 1) + weld(before)
+    _, group = np.unique(groups, return_inverse=True)
+    a, b, c = (moved[triangles[:, k]].astype(np.float64) for k in range(3))
+    across = np.cross(b - a, c - a)
+    sums = np.zeros((group.max(initial=-1) + 1, 3))
+    for corner in range(3):
+        np.add.at(sums, group[triangles[:, corner]], across)
+    lengths = np.linalg.norm(sums, axis=1, keepdims=True)
+    unit = (sums / np.where(lengths > 0, lengths, 1.0))[group]
+    found: Array = np.where(lengths[group] > 0, unit, before)
+    return found
 
 
 def _unit(vector: Array) -> Array:
