@@ -91,7 +91,8 @@ def finding(
 ) -> Finding:
     """Return how far `found` is from `expected` where that is most of what is `allowed`."""
     found = np.asarray(found, np.float64).reshape(np.shape(expected))
-    error = np.where(found == expected, 0.0, np.abs(found - expected))
+    with np.errstate(invalid="ignore"):  # infinity from infinity
+        error = np.where(found == expected, 0.0, np.abs(found - expected))
     # no number where none is expected is right; anywhere else it is not
     error = np.where(np.isnan(found) & np.isnan(expected), 0.0, error)
     error = np.where(np.isnan(error), np.inf, error).ravel()
@@ -268,4 +269,5 @@ def camera_findings(
         ]
     )
     allowed = 1e-5 * metres + 2e-6 * case.ranges
-    yield finding(name, "allowed error", state.allowed.host(), metres, metres, allowed)
+    scale = np.maximum(metres, case.ranges)
+    yield finding(name, "allowed error", state.allowed.host(), metres, scale, allowed)
