@@ -21,6 +21,7 @@ from .arguments import finite, one_of
 from .buffers import DeviceFactors
 from .camera import Camera
 from .creases import split_at_creases
+from .curved_mesh import CurvedMesh
 from .device import Device, DeviceArray
 from .errors import InputError
 from .mesh import Mesh
@@ -58,7 +59,7 @@ def pn_triangles(
     cull: bool = True,
     back_faces: float | None = None,
     device: Device | None = None,
-) -> Mesh:
+) -> CurvedMesh:
     """Replace every triangle of a mesh by a curved one, and tessellate it.
 
     Parameters
@@ -92,9 +93,10 @@ def pn_triangles(
 
     Returns
     -------
-    Mesh
-        Corners are kept exactly. Patches have bit-equal vertices on the edges that they share, each
-        its own copy. Where no normal can be computed, see
+    CurvedMesh
+        A mesh that also carries over what the source has at its vertices, such as texture
+        coordinates. Corners are kept exactly. Patches have bit-equal vertices on the edges that
+        they share, each its own copy. Where no normal can be computed, see
         :func:`terrain_lod.pn.evaluate_on_device`.
 
     Raises
@@ -153,7 +155,7 @@ def _tessellated(
     partitioning: str,
     linear_normals: bool,
     timeline: Any,
-) -> Mesh:
+) -> CurvedMesh:
     # corners 0, 1, 2 are u, v, w: counter-clockwise in the mesh is clockwise in the domain
     if partitioning == SEMI_UNIFORM:
         levels = levels_on_device(factors.edge, _LARGEST_LEVEL)
@@ -166,13 +168,16 @@ def _tessellated(
             "triangle", factors.edge, factors.inside, partitioning, clockwise=True
         )
         vertices = evaluate_on_device(nets, pattern, linear_normals=linear_normals)
-    return Mesh(
+    return CurvedMesh(
         vertices=vertices.positions.host(),
         normals=vertices.normals.host(),
         triangles=pattern.primitives.host(),
         origin=mesh.origin,
         crs=mesh.crs,
         timings=timeline.seconds,
+        source_triangles=mesh.triangles,
+        points=pattern.points.host(),
+        point_offsets=pattern.point_offsets.host().astype(np.int64),
     )
 
 

@@ -147,6 +147,22 @@ def test_the_origin_goes_along() -> None:
     assert len(found.triangles) == len(expected.triangles)
 
 
+@pytest.mark.parametrize("partitioning", ["fractional_odd", "semi_uniform"])
+def test_texture_coordinates_go_along(partitioning: str) -> None:
+    mesh = torus()
+    smooth = pn_triangles(mesh, 4.3, partitioning=partitioning, sharp=30)
+    # a triangle's own plane carries its positions over
+    flat = smooth.interpolate(mesh.vertices)
+    np.testing.assert_array_equal(smooth.interpolate(np.full(len(mesh.vertices), 7.5)), 7.5)
+    at_corners = (smooth.points.max(axis=1) == 65536) | (smooth.points.sum(axis=1) == 0)
+    np.testing.assert_array_equal(flat[at_corners], smooth.vertices[at_corners])
+    assert np.linalg.norm(flat - smooth.vertices, axis=1).max() < 0.3
+    # and both sides of an edge agree to the bit
+    assert not crack_report(replace(smooth, vertices=flat), closed=True)
+    with pytest.raises(tl.InputError, match="expected values for 128 vertices"):
+        smooth.interpolate(np.zeros((5, 2)))
+
+
 # culling
 
 
