@@ -164,11 +164,11 @@ def _draw_heading(
     insides: Sequence[float] | Factors | None,
 ) -> None:
     kind = _KINDS.get(pattern.partitioning, pattern.partitioning.replace("_", " "))
-    primitives = "lines" if pattern.domain == "isoline" else "triangles"
+    primitives = "segments" if pattern.domain == "isoline" else "triangles"
     facts = f"{point_count} points, {primitive_count} {primitives}"
     if insides is not None and len(insides):
         facts = f"inside {', '.join(f'{factor:.4g}' for factor in insides)}:  {facts}"
     if pattern.domain == "isoline" and edges is not None:
-        facts = f"{edges[0]:.4g} lines, {edges[1]:.4g} segments:  {facts}"
+        facts = f"factors {edges[0]:.4g}, {edges[1]:.4g}:  {facts}"
     figure.text(0.5, 0.955, f"{pattern.domain}, {kind}", ha="center", color=_INK, fontsize=12)
     figure.text(0.5, 0.905, facts, ha="center", color=_LINE)
