@@ -78,6 +78,7 @@ __kernel void hull(const Grid grid, const View view, const int cull,
                    __global const int *patch_indices,       // (P, 12)
                    __global const float4 *planes,           // (P,)
                    __global const float4 *details,          // (P,)
+                   __global const float *weights,           // (P,) on the level of detail
                    __global float *edge_factors,            // (P, 4)
                    __global float *inside_factors)          // (P, 2)
 {
@@ -91,7 +92,9 @@ __kernel void hull(const Grid grid, const View view, const int cull,
     float lod[5];
     for (int side = OWN; side <= SOUTH; ++side) {
         seen[side] = look_at(grid, patch, side, control_points, indices, planes, details);
-        lod[side] = isnan(seen[side].minimum) ? NAN : patch_lod(seen[side], view, parameters);
+        const float weight = weights[neighbour(grid, patch, side)];
+        lod[side] = isnan(seen[side].minimum) ? NAN
+                                              : weight * patch_lod(seen[side], view, parameters);
     }
 
     const bool empty = isnan(lod[OWN]);

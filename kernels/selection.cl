@@ -30,6 +30,7 @@ inline void put_factor(__global float *place, float factor, __global uchar *chan
 __kernel void allow(const Grid grid, const View view, const int cull,
                     const float metres, const float pixels,     // INFINITY where not asked for
                     __global const float4 *details,             // (P,)
+                    __global const float *weights,              // (P,) that errors count
                     __global float *allowed)                    // (P,) NaN where culled
 {
     const int patch = get_global_id(0);
@@ -37,9 +38,10 @@ __kernel void allow(const Grid grid, const View view, const int cull,
         return;
     const float minimum = details[patch].y, maximum = details[patch].z;
     const Tile tile = tile_at(grid, patch);
-    float error = metres;
+    float error = metres / weights[patch];
     if (!isinf(pixels))
-        error = fmin(error, metres_for_pixels(view, tile_box(grid, tile, minimum, maximum), pixels));
+        error = fmin(error, metres_for_pixels(view, tile_box(grid, tile, minimum, maximum),
+                                              pixels / weights[patch]));
     // a dozen roundings of differences of heights, here and wherever else it is measured
     error = fmax(error - 1e-6f * (maximum - minimum), 0.0f);
     const bool culled =

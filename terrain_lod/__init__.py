@@ -32,6 +32,7 @@ from .lod import (
     PromiseLod,
     ScreenErrorLod,
     UniformLod,
+    Weighted,
 )
 from .mesh import Achieved, Mesh, Patches
 from .mesh_loading import load_mesh
@@ -81,6 +82,7 @@ __all__ = [
     "TileAnalysis",
     "UniformLod",
     "VerticalError",
+    "Weighted",
     "analyse",
     "crack_report",
     "default_camera",

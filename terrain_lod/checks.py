@@ -25,6 +25,7 @@ CHECKS: Final[Checks] = {
     "analysis": checks_terrain.check_analysis,
     "control_points": checks_terrain.check_control_points,
     "hull": checks_terrain.check_hull,
+    "weights": checks_promise.check_weights,
     "scan": checks_tessellator.check_scan,
     "tessellator": checks_tessellator.check_tessellator,
     "queues": checks_surfaces.check_queues,

@@ -14,8 +14,9 @@ from .device import Device
 from .ladder import ladder_on_device, lattice_costs
 from .layout import FIXED_ONE
 from .pattern import DevicePattern
-from .reference import domain, ladder, selection
+from .reference import domain, ladder, selection, weights
 from .selection import Selection
+from .weights import COLUMNS, weights_on_device
 
 
 @cache
@@ -88,6 +89,20 @@ def check_selection(device: Device) -> Check:
         differences.append(largest_difference(found.factors.edge.host(), edge))
         differences.append(largest_difference(found.factors.inside.host(), inside))
     return Check(max(differences), METRES, "m")
+
+
+def check_weights(device: Device) -> Check:
+    different, count = 0, 0
+    for case in cases():
+        camera = camera_over(case)
+        strengths = {"horizon": 4.0, "silhouette": 3.0}
+        fits = case.upload_analysis(device)
+        found = weights_on_device(case.grid, fits, camera.view(case.origin), **strengths).host()
+        expected = weights.weights(case.grid, case.fits, camera, case.origin, COLUMNS, **strengths)
+        different += int(np.count_nonzero(np.abs(found - expected) > METRES))
+        count += case.grid.count
+    # a tile whose side is the border of a column may fall on either side of it
+    return Check(different, 0.05 * count, "tiles")
 
 
 def check_tile_error(device: Device) -> Check:

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from . import layout
 from .arguments import one_of
 from .buffers import DeviceAnalysis, DeviceFactors, DeviceGround, DevicePatches
+from .device import DeviceArray
 from .grid import TileGrid
 from .lod import Lod, Scene
 
@@ -106,6 +107,7 @@ def hull_on_device(
     *,
     edges: str = "min",
     cull: bool = True,
+    weights: DeviceArray | None = None,
 ) -> DeviceFactors:
     """Run the patch-constant function of every patch.
 
@@ -122,6 +124,8 @@ def hull_on_device(
         ``"max"`` never gives an edge less than either side asks for.
     cull : bool, optional
         Leave out patches whose bounds are outside the frustum.
+    weights : DeviceArray, (P,) float32, optional
+        That each tile's level of detail is multiplied by.
 
     Returns
     -------
@@ -147,6 +151,7 @@ def hull_on_device(
         patch_indices=patches.indices,
         planes=analysis.planes,
         details=analysis.details,
+        weights=device.empty(grid.count, np.float32).fill(1.0) if weights is None else weights,
         edge_factors=factors.edge,
         inside_factors=factors.inside,
     )

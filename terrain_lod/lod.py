@@ -222,6 +222,41 @@ class BudgetLod(PromiseLod):
                 raise InputError(f"expected {name} >= 0, got {getattr(self, name):g}")
 
 
+@dataclass(frozen=True)
+class Weighted:
+    """Any level of detail, with more of it where ground stands against the sky.
+
+    Far ridges are small, but nothing hides what they lack: that is what this is for.
+
+    Parameters
+    ----------
+    lod : Lod or PromiseLod
+        A formula's factors are multiplied by a tile's weight; what a promise allows is divided by
+        it, so that a promise is kept all the same. A weight below 1 would break one.
+    horizon : float, optional
+        Weight of a tile that is the horizon; it falls to 1 for tiles whose top does not reach it.
+    silhouette : float, optional
+        Weight of a tile whose plane is seen edge on; it falls to 1 for one seen from above.
+
+    Raises
+    ------
+    InputError
+        If a weight is below 1, or `lod` is not a level of detail.
+    """
+
+    lod: Lod | PromiseLod
+    horizon: float = 4.0
+    silhouette: float = 1.0
+    needs_camera: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.lod, Lod | PromiseLod):
+            raise InputError(f"expected a level of detail to weigh, got {self.lod!r}")
+        for name in ("horizon", "silhouette"):
+            if finite(name, getattr(self, name)) < 1:
+                raise InputError(f"expected {name} >= 1, got {getattr(self, name):g}")
+
+
 def _range_parameters(lod: DistanceLod | CoplanarityLod, scene: Scene) -> dict[str, float]:
     far = lod.near + scene.diagonal if lod.far is None else lod.far
     return {"near": lod.near, "far": far, "minimum": lod.minimum, "maximum": lod.maximum}

@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .buffers import DeviceAnalysis, DeviceFactors, DeviceGround, DeviceLadder
+from .device import DeviceArray
 from .errors import InputError
 from .grid import TileGrid
 from .lod import PromiseLod
@@ -62,6 +63,8 @@ class Promise:
     edges : str
         Rule for the factors of edges.
     cull : bool
+    weights : DeviceArray, (P,) float32, or None
+        How many times a tile's error counts.
     """
 
     ground: DeviceGround
@@ -73,6 +76,7 @@ class Promise:
     tessellate: Callable[[DeviceFactors], DevicePattern]
     edges: str
     cull: bool
+    weights: DeviceArray | None = None
 
     def keep(self, lod: PromiseLod) -> Kept:
         """Return the cheapest mesh found that keeps what `lod` promises."""
@@ -90,6 +94,7 @@ class Promise:
             pixels=pixels,
             edges=self.edges,
             cull=self.cull,
+            weights=self.weights,
         )
         for rounds in range(1, _MOST_ROUNDS + 1):
             selection.choose()
@@ -106,8 +111,9 @@ class Promise:
         worst = selection.measured.host()
         allowed = selection.allowed.host()
         # the error in pixels grows faster than that in metres, so their ratio bounds it
+        weights = 1.0 if self.weights is None else self.weights.host()
         with np.errstate(invalid="ignore", divide="ignore"):
-            used = np.where(worst > 0, worst / allowed, 0.0)
+            used = np.where(worst > 0, worst / allowed / weights, 0.0)
         achieved = Achieved(
             metres=float(worst.max()),
             pixels=pixels * float(np.nanmax(used, initial=0.0)) if np.isfinite(pixels) else None,

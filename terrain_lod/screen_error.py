@@ -220,7 +220,8 @@ def silhouette_error(
     points = _samples(ground, rows, columns)
     truth = _skyline(camera, points)
     points[:, 2] += errors[rows, columns]
-    difference = np.abs(_skyline(camera, points) - truth)
+    with np.errstate(invalid="ignore"):  # columns without a skyline
+        difference = np.abs(_skyline(camera, points) - truth)
     difference = difference[np.isfinite(difference)]
     if not len(difference):
         return np.nan, np.nan

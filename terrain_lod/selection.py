@@ -70,8 +70,12 @@ class Selection:
         pixels: float,
         edges: str = "edge",
         cull: bool = True,
+        weights: DeviceArray | None = None,
     ) -> Selection:
-        """Find what each tile is allowed; infinite `metres` or `pixels` are not asked for."""
+        """Find what each tile is allowed; infinite `metres` or `pixels` are not asked for.
+
+        An error counts as many times as the tile's weight, (P,) float32, says; 1 if not given.
+        """
         one_of("edge rule", edges, EDGE_RULES)
         device = analysis.details.device
         allowed = device.empty(grid.count, np.float32)
@@ -84,6 +88,7 @@ class Selection:
             metres=metres,
             pixels=pixels,
             details=analysis.details,
+            weights=device.empty(grid.count, np.float32).fill(1.0) if weights is None else weights,
             allowed=allowed,
         )
         return cls(

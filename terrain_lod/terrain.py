@@ -21,7 +21,7 @@ from .analysis import TileAnalysis, analyse_on_device, analyse_tiles
 from .arguments import one_of
 from .buffers import DeviceFactors, DeviceGround, DeviceLadder, DeviceVertices
 from .camera import Camera
-from .device import Device
+from .device import Device, DeviceArray
 from .domain import displace_on_device
 from .errors import InputError
 from .grid import TileGrid
@@ -29,7 +29,7 @@ from .heightmap import Heightmap
 from .holes import without_holes_on_device
 from .hull import displace_corners, hull_on_device, patches_on_device
 from .ladder import ladder_on_device, measure_tiles
-from .lod import Lod, PromiseLod, Scene, ScreenErrorLod
+from .lod import Lod, PromiseLod, Scene, ScreenErrorLod, Weighted
 from .mesh import Achieved, Mesh, Patches
 from .pattern import DevicePattern
 from .promise import Promise
@@ -37,6 +37,7 @@ from .queries import Hits, checked_points, checked_rays
 from .queries_ground import heights_on_device, rays_on_device
 from .tessellator import tessellate_device
 from .timeline import Timeline
+from .weights import weights_on_device
 
 
 class Terrain:
@@ -148,7 +149,7 @@ class Terrain:
         self,
         camera: Camera | None = None,
         *,
-        lod: Lod | PromiseLod | None = None,
+        lod: Lod | PromiseLod | Weighted | None = None,
         edges: str | None = None,
         partitioning: str = "fractional_odd",
         cull: bool = True,
@@ -159,9 +160,9 @@ class Terrain:
         ----------
         camera : Camera, optional
             Where detail is wanted, and what is in view. Without one, nothing is culled.
-        lod : Lod or PromiseLod, optional
-            A formula for the segments that a patch deserves, or an error to keep; defaults to
-            ``ScreenErrorLod(1.0)``.
+        lod : Lod, PromiseLod or Weighted, optional
+            A formula for the segments that a patch deserves, or an error to keep, or either with
+            weights on it; defaults to ``ScreenErrorLod(1.0)``.
         edges : {"min", "max", "edge"}, optional
             Factor of a shared edge: the lower of the two tiles' (the default with a formula, and
             the book's), the higher, or by the edge's own error (the default with a promise, and
@@ -189,11 +190,14 @@ class Terrain:
         cull = cull and camera is not None
         achieved = None
         with self.device.timed() as timeline:
+            weights = self._weights(camera, lod)
+            lod = lod.lod if isinstance(lod, Weighted) else lod
             if isinstance(lod, PromiseLod):
-                kept = self._promise(camera, edges or "edge", partitioning, cull).keep(lod)
+                promise = self._promise(camera, edges or "edge", partitioning, cull, weights)
+                kept = promise.keep(lod)
                 factors, pattern, achieved = kept.factors, kept.pattern, kept.achieved
             else:
-                factors = self._factors(camera, lod, edges or "min", cull)
+                factors = self._factors(camera, lod, edges or "min", cull, weights)
                 pattern = self._pattern(factors, partitioning)
             vertices = displace_on_device(self._ground, self.grid, pattern)
             return self._download(factors, pattern, vertices, timeline, achieved)
@@ -256,7 +260,27 @@ class Terrain:
     def _view(self, camera: Camera | None) -> npt.NDArray[Any]:
         return np.zeros((), layout.VIEW) if camera is None else camera.view(self.origin)
 
-    def _promise(self, camera: Camera | None, edges: str, partitioning: str, cull: bool) -> Promise:
+    def _weights(
+        self, camera: Camera | None, lod: Lod | PromiseLod | Weighted
+    ) -> DeviceArray | None:
+        if not isinstance(lod, Weighted):
+            return None
+        return weights_on_device(
+            self.grid,
+            self._analysis,
+            self._view(camera),
+            horizon=lod.horizon,
+            silhouette=lod.silhouette,
+        )
+
+    def _promise(
+        self,
+        camera: Camera | None,
+        edges: str,
+        partitioning: str,
+        cull: bool,
+        weights: DeviceArray | None = None,
+    ) -> Promise:
         return Promise(
             self._ground,
             self.grid,
@@ -267,9 +291,17 @@ class Terrain:
             tessellate=lambda factors: self._pattern(factors, partitioning),
             edges=edges,
             cull=cull,
+            weights=weights,
         )
 
-    def _factors(self, camera: Camera | None, lod: Lod, edges: str, cull: bool) -> DeviceFactors:
+    def _factors(
+        self,
+        camera: Camera | None,
+        lod: Lod,
+        edges: str,
+        cull: bool,
+        weights: DeviceArray | None = None,
+    ) -> DeviceFactors:
         return hull_on_device(
             self.grid,
             self._patches,
@@ -279,6 +311,7 @@ class Terrain:
             self._view(camera),
             edges=edges,
             cull=cull,
+            weights=weights,
         )
 
     def _pattern(self, factors: DeviceFactors, partitioning: str) -> DevicePattern:

@@ -20,8 +20,8 @@ ROOMS = {
     # numbers, checks and frozen objects: they know nothing above them
     "values": (
         "errors arguments layout factors patch_factors grid heightmap camera* viewpoint lod "
-        "pattern mesh drape soundness open_edges adjacency shape_numbers colours degrees files "
-        "device_info parameters timeline queries",
+        "pattern mesh curved_mesh drape soundness open_edges adjacency shape_numbers colours "
+        "degrees files device_info parameters timeline queries",
         "",
     ),
     # ground, patches and meshes from files and to files; what can be known of a mesh alone
@@ -33,7 +33,8 @@ ROOMS = {
     "device": ("device sources linker elf_linker buffers scan queues pattern_room", "values"),
     # arrows of the diagram in terrain.py, and their like for surfaces; they do not know each other
     "stages": (
-        "analysis ladder hull selection tessellator semi_uniform domain holes queries_ground pn",
+        "analysis ladder hull selection tessellator semi_uniform domain holes queries_ground "
+        "weights pn",
         "values device",
     ),
     # put stages one after the other
