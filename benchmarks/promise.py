@@ -1,0 +1,248 @@
+"""Promised error against what it costs: pydelatin beside us in one run, and the ladder's growth.
+
+    python benchmarks/promise.py against [--ground ridge] [--samples 512] [--metres 1 5 30]
+    python benchmarks/promise.py view [--samples 512]
+    python benchmarks/promise.py ladder [--megapixels 1 4 16 64]
+    python benchmarks/promise.py kept [--cameras 50] [--ground ridge ...]
+
+`against`: from raster in host memory to mesh in host memory, ladder included; and triangles.
+`view`: one pixel over a low flight against the one static mesh that keeps a pixel over all of it.
+`ladder`: seconds a megapixel as the raster grows.
+`kept`: how often a promise was broken, measured from outside, over grounds, tolerances, cameras
+and tile sizes.
+
+Works are run in turn, and ratios taken within a round: noise meets all alike.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Callable, Iterator
+from functools import partial
+from statistics import median
+
+import numpy as np
+
+import terrain_lod as tl
+from terrain_lod.camera_path import flyover
+from terrain_lod.compare_peers import PEERS
+from terrain_lod.ladder import ladder_on_device
+
+TILES = (7, 15, 31, 63)
+DELATIN = next(peer for peer in PEERS if peer.name == "pydelatin")
+
+
+def fractal(samples: int, roughness: float = 0.9, relief: float = 2500.0) -> tl.Heightmap:
+    """Return seeded rugged ground, 30 m a sample: its spectrum falls as wavelength^(1 + roughness).
+
+    Saupe: *Algorithms for random fractals*, in The Science of Fractal Images, 1988.
+    """
+    rng = np.random.default_rng(0)
+    frequency = np.hypot(*np.meshgrid(np.fft.rfftfreq(samples), np.fft.fftfreq(samples)))
+    frequency[0, 0] = 1.0
+    noise = np.fft.rfft2(rng.normal(size=(samples, samples)))
+    heights = np.fft.irfft2(noise * frequency ** -(1 + roughness), s=(samples, samples))
+    low, high = heights.min(), heights.max()
+    scaled = (heights - low) * (relief / (high - low))
+    return tl.Heightmap(scaled, spacing=30.0, name=f"fractal {roughness:g}")
+
+
+def ground_of(name: str, samples: int) -> tl.Heightmap:
+    """Return a fractal, or a sample mirrored beyond its borders and cut to `samples` squared."""
+    if name.startswith("fractal"):
+        return fractal(samples, float(name.removeprefix("fractal") or 0.9))
+    ground = tl.sample(name)
+    over = [(0, max(samples - extent, 0)) for extent in ground.shape]
+    heights = np.pad(ground.heights, over, mode="reflect")[:samples, :samples]
+    return tl.Heightmap(heights, spacing=ground.spacing, base=ground.base, name=name)
+
+
+def seconds_of(work: Callable[[], tl.Mesh]) -> tuple[float, tl.Mesh]:
+    start = time.perf_counter()
+    mesh = work()
+    return time.perf_counter() - start, mesh
+
+
+def from_nothing(ground: tl.Heightmap, tile: int, metres: float) -> tl.Mesh:
+    return tl.Terrain(ground, tile=tile).mesh(lod=tl.MaxErrorLod(metres))
+
+
+def against(name: str, samples: int, tolerances: list[float], rounds: int) -> None:
+    """Print time and triangles of every tile size as ratios to pydelatin's."""
+    ground = ground_of(name, samples)
+    print(f"{name}, {samples} x {samples} samples")
+    for metres in tolerances:
+        works: dict[str, Callable[[], tl.Mesh]] = {
+            f"tiles of {tile}": partial(from_nothing, ground, tile, metres) for tile in TILES
+        }
+        for work in works.values():  # builds kernels
+            work()
+        works["pydelatin"] = partial(DELATIN.mesh, ground, metres)
+        times: dict[str, list[float]] = {work: [] for work in works}
+        meshes = {}
+        for _ in range(rounds):
+            for label, work in works.items():
+                seconds, meshes[label] = seconds_of(work)
+                times[label].append(seconds)
+        base = times["pydelatin"]
+        for label, found in times.items():
+            faster = median(b / a for a, b in zip(found, base, strict=True))
+            count = len(meshes[label].triangles)
+            measured = tl.vertical_error(meshes[label], ground).maximum
+            print(
+                f"  {metres:5g} m  {label:12} {median(found) * 1e3:9.1f} ms {faster:7.2f} x as "
+                f"fast {count:9,} triangles {count / len(meshes['pydelatin'].triangles):6.2f} x "
+                f"measured {measured:.4g} m"
+            )
+
+
+def view(name: str, samples: int, views: int) -> None:
+    """Print triangles and pictures a second of a low flight, and the static mesh it stands for."""
+    ground = ground_of(name, samples)
+    cameras = flyover(ground, views)
+    static, metres = _static_mesh(ground, cameras)
+    print(f"{name}, {samples} x {samples}: pydelatin keeps a pixel with {metres:.3g} m,", end=" ")
+    print(f"{len(static.triangles):,} triangles")
+    for tile in TILES[:3]:
+        terrain = tl.Terrain(ground, tile=tile)
+        lod = tl.ScreenErrorLod(1.0)
+        terrain.mesh(cameras[0], lod=lod)
+        made = [seconds_of(partial(terrain.mesh, camera, lod=lod)) for camera in cameras]
+        worst = max(
+            tl.screen_error(m, ground, c).maximum for (_, m), c in zip(made, cameras, strict=True)
+        )
+        counts = [len(mesh.triangles) for _, mesh in made]
+        stages = median(sum(mesh.timings.values()) for _, mesh in made)
+        print(
+            f"  tiles of {tile:2}: {median(counts):9,.0f} triangles ({max(counts):,} at most), "
+            f"{median(counts) / len(static.triangles):.2f} x, {1 / stages:6.1f} a second on the "
+            f"device, {1 / median(s for s, _ in made):6.1f} with the mesh in host memory, "
+            f"{worst:.3f} pixels"
+        )
+
+
+def _static_mesh(ground: tl.Heightmap, cameras: tuple[tl.Camera, ...]) -> tuple[tl.Mesh, float]:
+    """Return the coarsest of pydelatin's meshes that keeps a pixel, to 10 % of its tolerance."""
+    low, high = 1e-3, 100.0
+    best = DELATIN.mesh(ground, low)
+    while high / low > 1.1:
+        middle = float(np.sqrt(low * high))
+        mesh = DELATIN.mesh(ground, middle)
+        if max(tl.screen_error(mesh, ground, camera).maximum for camera in cameras) <= 1.0:
+            best, low = mesh, middle
+        else:
+            high = middle
+    return best, low
+
+
+def ladder(megapixels: list[int], rounds: int) -> None:
+    """Print what the ladder costs a megapixel; smallest and largest raster in turn."""
+    device = tl.Device.open()
+    for tile in (7, 15):
+        works = {}
+        for size in megapixels:
+            samples = int(1024 * np.sqrt(size))
+            heights = np.random.default_rng(0).random((samples, samples), np.float32)
+            terrain = tl.Terrain(tl.Heightmap(heights), tile=tile, device=device)
+            parts = terrain._ground, terrain.grid, terrain._analysis
+            works[size] = partial(ladder_on_device, *parts)
+            works[size]()
+        device.finish()
+        times: dict[int, list[float]] = {size: [] for size in works}
+        for _ in range(rounds):
+            for size, work in works.items():
+                start = time.perf_counter()
+                work()
+                device.finish()
+                times[size].append((time.perf_counter() - start) / size)
+        costs = {size: median(found) for size, found in times.items()}
+        each = ", ".join(f"{size}: {1e3 * cost:.1f}" for size, cost in costs.items())
+        spread = max(costs.values()) / min(costs.values())
+        print(f"ladder, tiles of {tile}: ms a megapixel {each}; {spread:.2f} x apart")
+
+
+def cameras_over(ground: tl.Heightmap, count: int) -> Iterator[tl.Camera]:
+    """Yield cameras above, beside, behind and inside the ground's box, parallel ones too."""
+    random = np.random.default_rng(11)
+    width, depth = ground.extent
+    low, high = ground.height_range
+    for index in range(count):
+        x, y = random.uniform(-0.3, 1.3, 2) * (width, -depth) + ground.origin
+        eye = np.array([x, y, random.uniform(low, high + 0.2 * width)])
+        heading, pitch = random.uniform(0, 2 * np.pi), random.uniform(-1.2, 0.3)
+        ahead = np.array([np.cos(heading), np.sin(heading), np.tan(pitch)])
+        yield tl.Camera(
+            tuple(eye),
+            tuple(eye + ahead),
+            fov=random.uniform(5, 120),
+            height=width / 3 if index % 5 == 4 else None,
+        )
+
+
+def holed(ground: tl.Heightmap) -> tl.Heightmap:
+    """Return `ground` with single samples, a row and a square missing."""
+    random = np.random.default_rng(2)
+    heights = np.array(ground.heights)
+    heights[random.random(heights.shape) < 0.002] = np.nan
+    heights[len(heights) // 3] = np.nan
+    heights[20:50, 30:70] = np.nan
+    return tl.Heightmap(heights, spacing=ground.spacing, base=ground.base, name="holed")
+
+
+def kept(names: list[str], samples: int, cameras: int, tiles: list[int]) -> None:
+    """Count promises broken: every ground, tolerance and tile size, in metres and over cameras."""
+    tried = broken = 0
+    worst = 0.0
+    for name in names:
+        ground = holed(ground_of("ridge", samples)) if name == "holed" else ground_of(name, samples)
+        low, high = ground.height_range
+        for tile in tiles:
+            terrain = tl.Terrain(ground, tile=tile)
+            for step in range(8):
+                metres = (high - low) * 3e-5 * 3.3**step
+                mesh = terrain.mesh(lod=tl.MaxErrorLod(metres))
+                shares = [tl.vertical_error(mesh, ground).maximum / metres]
+                pixels = 0.1 * 2.0**step
+                for camera in cameras_over(ground, cameras):
+                    mesh = terrain.mesh(camera, lod=tl.ScreenErrorLod(pixels))
+                    if len(mesh.triangles):
+                        found = tl.screen_error(mesh, ground, camera)
+                        shares.append(found.maximum / pixels if found.samples else 0.0)
+                tried += len(shares)
+                broken += sum(share > 1 for share in shares)
+                worst = max(worst, *shares)
+            print(
+                f"{name}, tiles of {tile}: {broken} of {tried} broken, worst {worst:.6f}",
+                flush=True,
+            )
+
+
+def main() -> None:
+    """Run the chosen part."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("part", choices=("against", "view", "ladder", "kept"))
+    parser.add_argument("--ground", nargs="+", default=["ridge"])
+    parser.add_argument("--samples", type=int, default=512)
+    parser.add_argument("--metres", type=float, nargs="+", default=[1.0, 5.0, 30.0])
+    parser.add_argument("--megapixels", type=int, nargs="+", default=[1, 4, 16, 64])
+    parser.add_argument("--tiles", type=int, nargs="+", default=list(TILES))
+    parser.add_argument("--cameras", type=int, default=50)
+    parser.add_argument("--views", type=int, default=12)
+    parser.add_argument("--rounds", type=int, default=5)
+    options = parser.parse_args()
+    if options.part == "ladder":
+        ladder(options.megapixels, options.rounds)
+        return
+    if options.part == "kept":
+        kept(options.ground, options.samples, options.cameras, options.tiles)
+        return
+    for name in options.ground:
+        if options.part == "against":
+            against(name, options.samples, options.metres, options.rounds)
+        else:
+            view(name, options.samples, options.views)
+
+
+if __name__ == "__main__":
+    main()
