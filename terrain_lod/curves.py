@@ -5,6 +5,7 @@ A curve is one header, ``kernels/curve_<name>.h``, and one row of :data:`CURVES`
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
@@ -14,6 +15,7 @@ import numpy.typing as npt
 from .arguments import one_of, positive, whole
 from .device import Device
 from .layout import PARTITIONINGS
+from .pattern import DevicePattern
 from .shape_numbers import Number, shape_numbers
 from .tessellator import tessellate_device
 
@@ -124,7 +126,18 @@ def curve(
     pattern = tessellate_device(
         "isoline", device.array(factors), None, partitioning, clockwise=True
     )
-    count = pattern.points.shape[0]
+    positions, tangents = _evaluated(name, shape, pattern, device)
+    # a piece begins where the one before ends
+    kept = np.ones(len(positions), bool)
+    kept[pattern.point_offsets.host()[1:-1] - 1] = False
+    return Polyline(positions[kept], tangents[kept], CURVES[name].closed)
+
+
+def _evaluated(
+    name: str, shape: Mapping[str, float], pattern: DevicePattern, device: Device
+) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
+    """Return positions and tangents of all points, (N, 3)."""
+    count, pieces = pattern.points.shape[0], pattern.point_offsets.size - 1
     device.require(f"{count} points of a curve", 12 * count, 12 * count)
     positions, tangents = (device.empty((count, 3), np.float32) for _ in range(2))
     group = device.group_size(64)
@@ -146,7 +159,4 @@ def curve(
         positions=positions,
         tangents=tangents,
     )
-    # a piece begins where the one before ends
-    kept = np.ones(count, bool)
-    kept[pattern.point_offsets.host()[1:-1] - 1] = False
-    return Polyline(positions.host()[kept], tangents.host()[kept], CURVES[name].closed)
+    return positions.host(), tangents.host()

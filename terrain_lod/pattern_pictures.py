@@ -17,6 +17,7 @@ from .pattern_drawing import Factors, draw_pattern
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from PIL import Image
 
 PICTURES: Final = (".svg", ".png", ".pdf")
 
@@ -103,8 +104,6 @@ def save_animation(
     FileError
         If the file cannot be written.
     """
-    from PIL import Image
-
     final = Path(path)
     one_of("animation format", final.suffix.lower(), (".gif",))
     if pattern.patch_count == 0:
@@ -123,13 +122,7 @@ def save_animation(
                 progress(patch + 1, pattern.patch_count)
 
     _with_figure((3.6, 3.85), shoot)
-    # one palette for all: colours do not flicker
-    some = pictures[:: max(len(pictures) // 6, 1)]
-    palette = Image.fromarray(np.concatenate(some)).quantize(64, method=Image.Quantize.MAXCOVERAGE)
-    frames = [
-        Image.fromarray(picture).quantize(palette=palette, dither=Image.Dither.NONE)
-        for picture in pictures
-    ]
+    frames = _with_one_palette(pictures)
     with replacing(final) as temporary:
         frames[0].save(
             temporary,
@@ -139,6 +132,18 @@ def save_animation(
             loop=0,
         )
     return final
+
+
+def _with_one_palette(pictures: list[npt.NDArray[np.uint8]]) -> list[Image.Image]:
+    """Return pictures (height, width, 3) in the same few colours, so that none flickers."""
+    from PIL import Image
+
+    some = Image.fromarray(np.concatenate(pictures[:: max(len(pictures) // 6, 1)]))
+    palette = some.quantize(64, method=Image.Quantize.MAXCOVERAGE)
+    return [
+        Image.fromarray(picture).quantize(palette=palette, dither=Image.Dither.NONE)
+        for picture in pictures
+    ]
 
 
 def _with_figure(size: tuple[float, float], use: Callable[[Figure], None]) -> None:

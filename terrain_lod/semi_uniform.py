@@ -11,7 +11,7 @@ After Dyken, Reimers, Seland: *Semi-uniform adaptive patch tessellation*, Comput
 from __future__ import annotations
 
 from functools import cache
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -22,7 +22,7 @@ from .errors import InputError
 from .layout import FIXED_BITS
 from .pattern import TOPOLOGIES, DevicePattern, Pattern
 from .pattern_room import room_for_pattern
-from .queues import queues_of
+from .queues import Queues, queues_of
 from .scan import exclusive_scan
 
 LARGEST_LEVEL: Final = 10  # 1,048,576 triangles a patch
@@ -131,7 +131,11 @@ def semi_uniform_device(
     # how many
     patch_levels = device.empty(patches, np.int32)
     point_counts, triangle_counts = (device.empty(patches, np.uint32) for _ in range(2))
-    common = {"levels": levels, "maximum": maximum, "keep_degenerate": keep_degenerate}
+    common: dict[str, Any] = {
+        "levels": levels,
+        "maximum": maximum,
+        "keep_degenerate": keep_degenerate,
+    }
     device.kernel("semi_uniform.cl", "semi_uniform_count", GROUP=group)(
         (patches,),
         (group,),
@@ -146,31 +150,36 @@ def semi_uniform_device(
     triangle_offsets, triangle_count = exclusive_scan(triangle_counts)
     points, triangles = room_for_pattern(device, patches, point_count, triangle_count, 3)
     # which, a launch a level
+    pattern = DevicePattern(points, triangles, point_offsets, triangle_offsets)
     queues = queues_of(patch_levels, maximum + 1)
-    fill = device.kernel("semi_uniform.cl", "semi_uniform_fill", GROUP=group)
     for level in np.flatnonzero(np.diff(queues.begins)).tolist():
-        begin, end = queues.begins[level : level + 2].tolist()
-        base = lattice(level)
-        groups = end - begin if device.is_gpu else min(end - begin, _GROUPS)
-        fill(
-            (groups * group,),
-            (group,),
-            level=level,
-            clockwise=clockwise,
-            queue_begin=begin,
-            queue_end=end,
-            inner_points=len(base.inside),
-            inner_triangles=base.inner,
-            queue=queues.members,
-            lattice=device.array(base.inside),
-            triangles=device.array(base.triangles),
-            point_offsets=point_offsets,
-            triangle_offsets=triangle_offsets,
-            points=points,
-            filled=triangles,
-            **common,
-        )
-    return DevicePattern(points, triangles, point_offsets, triangle_offsets)
+        _fill(pattern, queues, level, clockwise=clockwise, **common)
+    return pattern
+
+
+def _fill(pattern: DevicePattern, queues: Queues, level: int, **options: object) -> None:
+    """Fill in the patches of a level."""
+    device, base = pattern.points.device, lattice(level)
+    begin, end = queues.begins[level : level + 2].tolist()
+    group = device.group_size()
+    groups = end - begin if device.is_gpu else min(end - begin, _GROUPS)
+    device.kernel("semi_uniform.cl", "semi_uniform_fill", GROUP=group)(
+        (groups * group,),
+        (group,),
+        level=level,
+        queue_begin=begin,
+        queue_end=end,
+        inner_points=len(base.inside),
+        inner_triangles=base.inner,
+        queue=queues.members,
+        lattice=device.array(base.inside),
+        triangles=device.array(base.triangles),
+        point_offsets=pattern.point_offsets,
+        triangle_offsets=pattern.primitive_offsets,
+        points=pattern.points,
+        filled=pattern.primitives,
+        **options,
+    )
 
 
 @cache

@@ -5,7 +5,7 @@ A surface is one header, ``kernels/surface_<name>.h``, and one row of :data:`SUR
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -17,7 +17,7 @@ from .errors import InputError
 from .mesh import Mesh
 from .pattern import DevicePattern
 from .shape_numbers import Number, shape_numbers
-from .uniform_quads import uniform_mesh
+from .uniform_quads import Evaluate, uniform_mesh
 
 _MOST_PATCHES: Final = 16384  # along u or v: steps are counted in 32 bits
 
@@ -123,7 +123,15 @@ def surface(
         whole("patches", count, 1, _MOST_PATCHES) for count in _pair("patches", patches)
     )
     device = device or Device.open()
-    closed = SURFACES[name].closed
+    evaluate = _evaluation(name, (across, down), shape, device)
+    return uniform_mesh(across * down, factor, partitioning, device, evaluate)
+
+
+def _evaluation(
+    name: str, patches: tuple[int, int], shape: Mapping[str, float], device: Device
+) -> Evaluate:
+    """Return what puts the points of a pattern on the surface."""
+    closed, (across, down) = SURFACES[name].closed, patches
 
     def evaluate(pattern: DevicePattern, vertices: DeviceVertices, items: int, group: int) -> None:
         kernel = device.kernel(
@@ -148,7 +156,7 @@ def surface(
             normals=vertices.normals,
         )
 
-    return uniform_mesh(across * down, factor, partitioning, device, evaluate)
+    return evaluate
 
 
 def _pair(name: str, values: Iterable[int]) -> tuple[int, ...]:
