@@ -38,7 +38,7 @@ def test_camera(name: str) -> None:
 def test_a_difference_is_found() -> None:
     # the tests above mean something only if they can fail
     expected = np.array([1.0, 2.0, np.nan])
-    off = finding("", "deviation", expected + (0, 1e-3, 0), expected, 2.0, 1e-4)
+    off = finding("", "deviation", expected + np.array([0, 1e-3, 0]), expected, 2.0, 1e-4)
     assert not off.is_met
     assert off.share == pytest.approx(10)
     assert off.relative == pytest.approx(5e-4)
@@ -74,6 +74,4 @@ def test_report(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_bound_that_is_not_met_is_named() -> None:
     expected = np.ones(3)
     broken = finding("one spike", "deviation", expected + 1, expected, 1.0, 0.1)
-    assert verdict([broken]) == (
-        "1 of 1 bounds are not met, in 1 cases: deviation in one spike."
-    )
+    assert verdict([broken]) == ("1 of 1 bounds are not met, in 1 cases: deviation in one spike.")
