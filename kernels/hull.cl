@@ -16,7 +16,6 @@
 // whichever tile asks, and the level of detail is a function of the tile alone.
 //
 // Built with: LOD, a header that defines patch_lod(); EDGE_RULE, fmin or fmax.
-#include "frustum.h"
 #include "neighbour.h"
 #include "patch.h"
 #include LOD
@@ -46,6 +45,7 @@ inline Patch look_at(Grid grid, int patch, int side,
     seen.deviation = details[tile].x;
     seen.minimum = details[tile].y;
     seen.maximum = details[tile].z;
+    seen.box = tile_box(grid, tile_at(grid, tile), seen.minimum, seen.maximum);
     seen.holes = details[tile].w;
     return seen;
 }

@@ -9,7 +9,7 @@
 #ifndef PATCH_H
 #define PATCH_H
 
-#include "layout.h"
+#include "frustum.h"
 
 // positions are relative to the terrain's origin and base
 typedef struct {
@@ -17,6 +17,7 @@ typedef struct {
     float3 normal;              // of the tile's plane, unit length
     float deviation;            // from that plane
     float minimum, maximum;     // heights; NaN where the tile has no data
+    Box box;                    // between these heights
     float holes;                // samples without data
 } Patch;
 

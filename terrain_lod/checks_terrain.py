@@ -20,7 +20,7 @@ from .heightmap import Heightmap
 from .holes import without_holes_on_device
 from .hull import EDGE_RULES, hull_on_device, patches_on_device
 from .layout import DEFAULT_TILE, FIXED_ONE
-from .lod import CoplanarityLod, DistanceLod, Lod, Scene, UniformLod
+from .lod import CoplanarityLod, DistanceLod, Lod, Scene, ScreenAreaLod, UniformLod
 from .mesh import Mesh
 from .pattern import DevicePattern
 from .reference import analysis, domain, error, holes, hull
@@ -33,7 +33,12 @@ _SEGMENTS: Final = 1e-4
 # share of the height range: sums of 256 heights, and a normal over the width of a tile
 _FIT: Final = 2e-6
 
-_LODS: Final[tuple[Lod, ...]] = (UniformLod(5.5), DistanceLod(falloff=2.5), CoplanarityLod())
+_LODS: Final[tuple[Lod, ...]] = (
+    UniformLod(5.5),
+    DistanceLod(falloff=2.5),
+    CoplanarityLod(),
+    ScreenAreaLod(),
+)
 _SCENE: Final = Scene(diagonal=7000.0, rough_deviation=20.0)
 
 
@@ -119,7 +124,7 @@ def check_hull(device: Device) -> Check:
                 found = hull_on_device(grid, patches, fits, lod, _SCENE, view, edges=edges)
                 planes = camera.planes(case.origin)
                 edge, inside = hull.factors(
-                    ground, grid, case.fits, lod, _SCENE, eye, planes, edges=edges
+                    ground, grid, case.fits, lod, _SCENE, eye, planes, edges=edges, camera=camera
                 )
                 differences.append(largest_difference(found.edge.host(), edge))
                 differences.append(largest_difference(found.inside.host(), inside))

@@ -147,6 +147,32 @@ class CoplanarityLod(Lod):
         }
 
 
+@dataclass(frozen=True)
+class ScreenAreaLod(Lod):
+    """As much detail as the tile's bounding box has area in the picture.
+
+    Parameters
+    ----------
+    pixels : float, optional
+        A tile gets a segment along its edges for every so many pixels along the side of a square
+        with the area of its projected box.
+    minimum, maximum : float, optional
+        Factors that limit it, 1 to 63.
+    """
+
+    pixels: float = 8.0
+    minimum: float = 1.0
+    maximum: float = 15.0
+    header: ClassVar[str] = "lod_area.h"
+
+    def __post_init__(self) -> None:
+        positive("pixels", self.pixels)
+        _check_factors(self.minimum, self.maximum)
+
+    def parameters(self, scene: Scene) -> dict[str, float]:
+        return {"pixels": self.pixels, "minimum": self.minimum, "maximum": self.maximum}
+
+
 class PromiseLod:
     """A level of detail that promises an error: the finished mesh is measured and keeps to it.
 
@@ -272,6 +298,10 @@ def _check_range(near: float, far: float | None, minimum: float, maximum: float)
         raise InputError(f"expected near >= 0, got {near:g}")
     if far is not None and finite("far", far) <= near:
         raise InputError(f"expected far > near, got far {far:g} and near {near:g}")
+    _check_factors(minimum, maximum)
+
+
+def _check_factors(minimum: float, maximum: float) -> None:
     _factor("minimum", minimum)
     _factor("maximum", maximum)
     if maximum < minimum:

@@ -16,6 +16,8 @@ LODS = [
     tl.DistanceLod(falloff=2.5, maximum=63),
     tl.CoplanarityLod(),
     tl.CoplanarityLod(full_deviation=30.0, flat_weight=0.0, minimum=2.0),
+    tl.ScreenAreaLod(),
+    tl.ScreenAreaLod(pixels=25.0, minimum=1.5, maximum=40.0),
 ]
 
 
@@ -45,6 +47,7 @@ def test_agrees_with_the_reference(lod: tl.Lod, edges: str, make) -> None:
         np.subtract(camera.eye, terrain.origin),
         camera.planes(terrain.origin),
         edges=edges,
+        camera=camera,
     )
     # a dozen roundings of numbers up to 63
     np.testing.assert_allclose(edge, expected_edge, rtol=1e-5, atol=1e-5)
@@ -136,6 +139,8 @@ def test_unknown_edge_rule() -> None:
         (lambda: tl.DistanceLod(near=10, far=10), "far > near"),
         (lambda: tl.DistanceLod(minimum=9, maximum=5), "maximum >= minimum"),
         (lambda: tl.DistanceLod(falloff=0), "falloff > 0"),
+        (lambda: tl.ScreenAreaLod(pixels=0), "pixels > 0"),
+        (lambda: tl.ScreenAreaLod(minimum=9, maximum=5), "maximum >= minimum"),
         (lambda: tl.CoplanarityLod(full_deviation=0), "full_deviation > 0"),
         (lambda: tl.CoplanarityLod(flat_weight=1.5), "from 0 to 1"),
     ],

@@ -5,11 +5,13 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from ..camera import Camera
 from ..grid import TileGrid
 from ..heightmap import Heightmap
 from ..lod import Lod, Scene
 from .analysis import TileFit
-from .lod import FORMULAS
+from .lod import FORMULAS, Patch
+from .selection import bounding_box
 
 Array = npt.NDArray[np.float64]
 
@@ -22,7 +24,7 @@ def control_points(ground: Heightmap, grid: TileGrid, fallback: float) -> Array:
 
 
 def _levels(points: Array, fits: list[TileFit], grid: TileGrid, lod: Lod, scene: Scene, eye: Array,
-            row_step: int, column_step: int) -> Array:  # fmt: skip
+            row_step: int, column_step: int, camera: Camera | None) -> Array:  # fmt: skip
     """Return each tile's neighbour's level of detail; at the border, the edge midpoint's."""
     tile_rows, tile_columns = grid.shape
     row, column = np.indices(grid.shape)
@@ -42,7 +44,11 @@ def _levels(points: Array, fits: list[TileFit], grid: TileGrid, lod: Lod, scene:
         inside, (row + row_step) * tile_columns + column + column_step, row * tile_columns + column
     )
     deviation = np.array([fit.deviation for fit in fits])[neighbour]
-    levels = FORMULAS[lod.header](distance, deviation, lod.parameters(scene))
+    boxes = np.array([bounding_box(grid, fit, index) for index, fit in enumerate(fits)])
+    # the camera's world is as far from the terrain's as its eye says
+    shift = 0 if camera is None else camera.eye - eye
+    patch = Patch(distance, deviation, boxes[neighbour] + shift, camera)
+    levels = FORMULAS[lod.header](patch, lod.parameters(scene))
     return np.where(np.isnan(np.array([fit.minimum for fit in fits])[neighbour]), np.nan, levels)
 
 
@@ -73,12 +79,17 @@ def factors(
     planes: Array | None,
     *,
     edges: str = "min",
+    camera: Camera | None = None,
 ) -> tuple[Array, Array]:
-    """Return edge factors (P, 4) and inside factors (P, 2); `planes` None culls nothing."""
+    """Return edge factors (P, 4) and inside factors (P, 2); `planes` None culls nothing.
+
+    `eye` and `planes` are relative to the terrain's origin; the `camera` they are of is needed for
+    formulas that look at the picture.
+    """
     low, _ = ground.height_range
     points = control_points(ground, grid, low - ground.base)
     steps = ((0, 0), (0, -1), (-1, 0), (0, 1), (1, 0))
-    own, *others = (_levels(points, fits, grid, lod, scene, eye, *step) for step in steps)
+    own, *others = (_levels(points, fits, grid, lod, scene, eye, *step, camera) for step in steps)
     holes = np.array([fit.nodata for fit in fits]).reshape(grid.shape) > 0
     around = np.pad(holes, 1)
     other_holes = (around[1:-1, :-2], around[:-2, 1:-1], around[1:-1, 2:], around[2:, 1:-1])
