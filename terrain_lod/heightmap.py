@@ -128,13 +128,17 @@ class Heightmap:
         relative = np.where(hole, 0.0, np.subtract(values, self.base, dtype=np.float64))
         if np.abs(relative).max() > _LARGEST:
             raise InputError("expected heights that float32 can hold, got some beyond its range")
-        heights, mask = self.heights.copy(), ~self.valid
-        heights[part], mask[part] = relative, hole
-        if mask.all():
-            raise InputError("expected some data to be left, got nodata for the last of it")
+        mask = self.mask
+        if mask is not None or hole.any():
+            mask = np.zeros(self.shape, bool) if mask is None else mask.copy()
+            mask[part] = hole
+            if mask.all():
+                raise InputError("expected some data to be left, got nodata for the last of it")
+        heights = self.heights.copy()
+        heights[part] = relative
         new = copy(self)
         new._set("heights", _frozen(heights))
-        new._set("mask", _frozen(mask) if mask.any() else None)
+        new._set("mask", _frozen(mask) if mask is not None and mask.any() else None)
         return new, *part
 
     @property
