@@ -76,9 +76,9 @@ def smooth(
     sharp: bool = False,
     crease: float = _CREASE,
     normals: Literal["quadratic", "linear"] = "quadratic",
-    partitioning: Literal["fractional_odd", "fractional_even", "integer", "pow2"] = (
-        "fractional_odd"
-    ),
+    partitioning: Literal[
+        "fractional_odd", "fractional_even", "integer", "pow2", "semi_uniform"
+    ] = "fractional_odd",
     device: str | None = None,
     view: CameraOptions = CameraOptions(),  # noqa: B008
     detail: EdgeOptions = EdgeOptions(),
@@ -102,7 +102,7 @@ def smooth(
     normals
         quadratic: of the curved surface. linear: as shading would blend them.
     partitioning
-        How an edge is divided.
+        How an edge is divided: by the tessellator, or semi_uniform, in halves of halves.
     device
         cpu, gpu, a number or part of a name, see doctor. Default: a GPU if there is one.
     """

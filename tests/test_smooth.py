@@ -163,6 +163,40 @@ def test_texture_coordinates_go_along(partitioning: str) -> None:
         smooth.interpolate(np.zeros((5, 2)))
 
 
+@pytest.mark.parametrize("partitioning", ["fractional_odd", "integer"])
+@pytest.mark.parametrize("pixels", [0.25, 2.0])
+def test_curvature_keeps_edges_within_the_pixels_asked_for(pixels: float, partitioning) -> None:
+    mesh = torus()
+    # so far away that the perspective stretches by 3 % at most
+    camera = tl.Camera((20, -25, 15), (0, 0, 0), fov=16, size=(1600, 1200))
+    lod = CurvatureFactor(pixels=pixels)
+    smooth = pn_triangles(mesh, lod=lod, camera=camera, partitioning=partitioning, cull=False)
+    exact = pn_triangles(mesh, 64, partitioning="integer")
+    worst, wanted = 0.0, 0
+    for triangle in range(len(mesh.triangles)):
+        polyline, curve = (edge_pixels(one, triangle, camera) for one in (smooth, exact))
+        worst = max(worst, *(off_polyline(point, polyline) for point in curve))
+        wanted += len(polyline) - 1
+    assert 0.2 * pixels < worst < 1.05 * pixels
+    assert wanted < 64 * len(mesh.triangles) / 4
+
+
+def edge_pixels(mesh, triangle: int, camera: tl.Camera) -> np.ndarray:
+    """Return the points along the edge v = 0 of a triangle, in pixels."""
+    begin, end = mesh.point_offsets[triangle : triangle + 2]
+    on_edge = begin + np.flatnonzero(mesh.points[begin:end, 1] == 0)
+    along = on_edge[np.argsort(mesh.points[on_edge, 0])]
+    return camera.project(mesh.vertices[along])[0]
+
+
+def off_polyline(point: np.ndarray, polyline: np.ndarray) -> float:
+    """Return the distance of a point from a polyline."""
+    starts, along = polyline[:-1], np.diff(polyline, axis=0)
+    squares = np.maximum((along**2).sum(axis=1), 1e-12)
+    t = np.clip(((point - starts) * along).sum(axis=1) / squares, 0, 1)
+    return float(np.linalg.norm(starts + t[:, None] * along - point, axis=1).min())
+
+
 # culling
 
 

@@ -119,7 +119,22 @@ def curvature(edge: Edge, view: npt.NDArray[Any], parameters: Parameters) -> flo
     a, b = edge.lifts
     bend = max(np.linalg.norm(2 * b - 4 * a), np.linalg.norm(2 * a - 4 * b))
     pixels = bend / 8 * _pixels_per_unit(view, edge.distance(view) - edge.length / 2)
-    return _clamped(float(np.sqrt(pixels / parameters["pixels"])), parameters)
+    segments = min(float(np.sqrt(pixels / parameters["pixels"])), parameters["maximum"])
+    return _clamped(factor_for(segments), parameters)
+
+
+def factor_for(segments: float) -> float:
+    """Return the least factor with no segment longer than 1 / segments in any partitioning.
+
+    Between whole factors n and n + 2 of a fractional partitioning the longest segment falls in a
+    straight line from 1 / n to 1 / (n + 2).
+    """
+    factor = 1.0
+    for least in (1, 2):
+        if segments > least:
+            n = segments - (segments - least) % 2
+            factor = max(factor, n + 2 * (1 / n - 1 / segments) / (1 / n - 1 / (n + 2)))
+    return factor
 
 
 def _pixels_per_unit(view: npt.NDArray[Any], distance: float) -> float:
