@@ -44,7 +44,7 @@ class SurfaceAccessor:
             normals=np.asarray(_normals(surface), np.float32),
             triangles=np.asarray(surface.regular_faces, np.int32),
             origin=np.array(field["origin"], np.float64) if "origin" in field else np.zeros(3),
-            crs=str(field["crs"][0]) if "crs" in field else None,
+            crs=str(np.atleast_1d(field["crs"])[0]) if "crs" in field else None,
         )
 
     def vertical_error(self, ground: Heightmap) -> VerticalError:

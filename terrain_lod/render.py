@@ -99,7 +99,11 @@ def render(
     if max(camera.size) > _LARGEST_WINDOW:
         raise InputError(f"expected a size of at most {_LARGEST_WINDOW} pixels, got {camera.size}")
     direction = sun_direction(finite("sun azimuth", sun[0]), finite("sun elevation", sun[1]))
-    if one_of("style", style, STYLES) == "shaded":
+    if one_of("style", style, STYLES) != "shaded" and drape is not None:
+        raise InputError(f"expected style 'shaded' with a drape, got {style!r}")
+    if drape is not None:
+        colours = lit(np.ones_like(mesh.vertices), mesh.normals, direction)
+    elif style == "shaded":
         colours = _shaded(mesh, camera, direction, height_range)
     elif style == "lod":
         colours = _by_detail(mesh, direction, factor_range)

@@ -17,12 +17,13 @@ from typing import Final
 import numpy as np
 
 from .arguments import finite
-from .camera import Camera, Point
+from .camera import Camera, Point, Vectors
 from .heightmap import Heightmap
 
 _STEEPEST: Final = 89.5  # degrees; at 90 up would be along the view
 _NEAREST, _FARTHEST = 1e-4, 4.0  # distance to the target, in diagonals of the ground
 _REACH: Final = 4.0  # how far the eye goes from the middle of the ground, in diagonals
+_MOST_LOOKS: Final = 100_000  # along a ray
 _BEYOND: Final = 1e15  # world units
 _CLEARANCE: Final = 5e-4  # between eye and ground, in diagonals
 
@@ -126,7 +127,7 @@ class Rig:
         eye[2] = max(eye[2], floor)
         return held._standing_at((float(eye[0]), float(eye[1]), float(eye[2])))
 
-    def _moved(self, shift: np.ndarray) -> Rig:
+    def _moved(self, shift: Vectors) -> Rig:
         x, y, z = np.add(self.target, shift)
         return replace(self, target=(float(x), float(y), float(z)))
 
@@ -136,22 +137,74 @@ class Rig:
 
 
 def height_at(ground: Heightmap, x: float, y: float) -> float:
-    """Return the elevation at a world point, bilinear; outside and in holes that of the nearest.
+    """Return the elevation at a world point; see :func:`heights_at`."""
+    return float(heights_at(ground, np.array([finite("x", x)]), np.array([finite("y", y)]))[0])
+
+
+def heights_at(ground: Heightmap, x: Vectors, y: Vectors) -> Vectors:
+    """Return elevations at world points (N,), bilinear; outside those of the nearest border.
 
     Holes count as the lowest elevation.
     """
     rows, columns = ground.shape
-    column = (finite("x", x) - ground.origin[0]) / ground.spacing[0]
-    row = (ground.origin[1] - finite("y", y)) / ground.spacing[1]
-    column, row = min(max(column, 0.0), columns - 1.0), min(max(row, 0.0), rows - 1.0)
-    left, top = min(int(column), columns - 2), min(int(row), rows - 2)
+    column = np.clip((x - ground.origin[0]) / ground.spacing[0], 0.0, columns - 1.0)
+    row = np.clip((ground.origin[1] - y) / ground.spacing[1], 0.0, rows - 1.0)
+    left = np.minimum(column.astype(int), columns - 2)
+    top = np.minimum(row.astype(int), rows - 2)
     u, v = column - left, row - top
-    corners = ground.heights[top : top + 2, left : left + 2].astype(np.float64)
-    if ground.mask is not None:
-        low = ground.height_range[0] - ground.base
-        corners = np.where(ground.mask[top : top + 2, left : left + 2], low, corners)
-    west, east = (1 - v) * corners[0] + v * corners[1]
-    return ground.base + float((1 - u) * west + u * east)
+    low = 0.0 if ground.mask is None else ground.height_range[0] - ground.base
+
+    def sample(below: int, right: int) -> Vectors:
+        heights: Vectors = ground.heights[top + below, left + right].astype(np.float64)
+        if ground.mask is not None:
+            heights[ground.mask[top + below, left + right]] = low
+        return heights
+
+    north = (1 - u) * sample(0, 0) + u * sample(0, 1)
+    south = (1 - u) * sample(1, 0) + u * sample(1, 1)
+    elevations: Vectors = ground.base + (1 - v) * north + v * south
+    return elevations
+
+
+def ground_seen(ground: Heightmap, camera: Camera, x: float, y: float) -> Point | None:
+    """Return the world point of the ground that a pixel shows, None for the sky.
+
+    Parameters
+    ----------
+    ground : Heightmap
+    camera : Camera
+    x, y : float
+        Pixel, counted from the lower left.
+    """
+    width, height = camera.size
+    across, up = camera.half_extents
+    right, upward, forward = camera.axes
+    shares = 2 * (x + 0.5) / width - 1, 2 * (y + 0.5) / height - 1
+    ray = forward + shares[0] * across * right + shares[1] * up * upward
+    eye = np.array(camera.eye)
+    # where the ray is over the ground and no higher than its summits
+    low, high = ground.height_range
+    (x0, y0), (wide, deep) = ground.origin, ground.extent
+    box = np.array([[x0, y0 - deep, low], [x0 + wide, y0, high]])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        walls = np.sort(np.nan_to_num((box - eye) / ray, nan=0.0), axis=0)
+    begin, end = max(0.0, float(walls[0].max())), float(walls[1].min())
+    if not begin < end:
+        return None
+    # four looks a cell, then the crossing between the last above and the first below
+    cells = (end - begin) * np.hypot(*(ray[:2] / ground.spacing))
+    along = np.linspace(begin, end, int(min(4 * cells, _MOST_LOOKS)) + 2)
+    points = eye + along[:, None] * ray
+    above = points[:, 2] - heights_at(ground, points[:, 0], points[:, 1])
+    below = np.flatnonzero(above <= 0)
+    if not len(below):
+        return None
+    first = below[0]
+    place = points[first]
+    if first > 0:
+        share = above[first - 1] / (above[first - 1] - above[first])
+        place = points[first - 1] + share * (points[first] - points[first - 1])
+    return float(place[0]), float(place[1]), float(place[2])
 
 
 def _steep(pitch: float) -> float:

@@ -7,7 +7,6 @@ made becomes a line to show, and the last good picture stays.
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
 from threading import Condition, Thread
 from typing import Final
 
@@ -38,23 +37,21 @@ class Engine:
         self._model = model
         self._changed = Condition()
         self._request: Request | None = None
-        self._chore: Callable[[], None] | None = None
+        self._reload = False
         self._frame: Frame | None = None
         self._working = self._making = False
         self._closed = False
         self._thread = Thread(target=self._run, name="terrain-lod-viewer", daemon=True)
         self._thread.start()
 
-    def ask(self, request: Request) -> None:
-        """Want this picture, instead of any that is not begun."""
+    def ask(self, request: Request, *, reload: bool = False) -> None:
+        """Want this picture, instead of any that is not begun; with `reload` of ground read again.
+
+        If the ground cannot be read, there is no picture either.
+        """
         with self._changed:
             self._request = request
-            self._changed.notify_all()
-
-    def ask_reload(self) -> None:
-        """Want the ground read again before the next picture."""
-        with self._changed:
-            self._chore = self._model.reload
+            self._reload = self._reload or reload
             self._changed.notify_all()
 
     def take(self) -> Frame | None:
@@ -86,7 +83,7 @@ class Engine:
         self._thread.join(30.0)
 
     def _idle(self) -> bool:
-        return not self._working and self._request is None and self._chore is None
+        return not self._working and self._request is None
 
     def _run(self) -> None:
         while True:
@@ -96,23 +93,21 @@ class Engine:
                 self._changed.wait_for(lambda: self._closed or not self._idle())
                 if self._closed:
                     return
-                self._working = True
+                self._working = self._making = True
                 request, self._request = self._request, None
-                chore, self._chore = self._chore, None
-                self._making = request is not None
-            self._attempt(chore, request)
-
-    def _attempt(self, chore: Callable[[], None] | None, request: Request | None) -> None:
-        try:
-            if chore is not None:
-                chore()
+                reload, self._reload = self._reload, False
             if request is not None:
-                frame = self._model.frame(request)
-                self.problem = None
-                self._publish(frame)
-                if not self._disturbed(_REST):
-                    self._publish(self._model.measured(frame))
+                self._attempt(request, reload)
+
+    def _attempt(self, request: Request, reload: bool) -> None:
+        try:
+            if reload:
+                self._model.reload()
+            frame = self._model.frame(request)
             self.problem = None
+            self._publish(frame)
+            if not self._disturbed(_REST):
+                self._publish(self._model.measured(frame))
         except (TerrainError, OSError, MemoryError) as error:
             self.problem = " ".join(str(error).split()) or type(error).__name__
         except Exception as error:  # a viewer that dies of one picture has lost its user's place
@@ -123,8 +118,7 @@ class Engine:
         """Return whether something else is wanted within so many seconds."""
         with self._changed:
             return self._changed.wait_for(
-                lambda: self._closed or self._request is not None or self._chore is not None,
-                seconds,
+                lambda: self._closed or self._request is not None, seconds
             )
 
     def _publish(self, frame: Frame) -> None:

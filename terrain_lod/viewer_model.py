@@ -149,7 +149,8 @@ class Frame:
         column = (x - ground.origin[0]) / ground.spacing[0]
         row = (ground.origin[1] - y) / ground.spacing[1]
         rows, columns = ground.shape
-        if not (0 <= row <= rows - 1 and 0 <= column <= columns - 1):
+        slack = 1e-6  # cells
+        if not (-slack <= row <= rows - 1 + slack and -slack <= column <= columns - 1 + slack):
             raise InputError(f"expected a point on the ground, got {x:g}, {y:g}")
         tile = _tile(grid.corner_rows, row), _tile(grid.corner_columns, column)
         index = tile[0] * patches.shape[1] + tile[1]

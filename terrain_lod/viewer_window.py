@@ -19,7 +19,7 @@ from .drape import Drape
 from .errors import InputError
 from .graphics import require_graphics
 from .render import HORIZON, INK, ZENITH, Picture, save_png, stand
-from .viewer_camera import Rig
+from .viewer_camera import Rig, ground_seen
 from .viewer_engine import Engine
 from .viewer_model import Frame, Model, Request, frustum
 from .viewer_settings import Settings
@@ -137,16 +137,15 @@ class Window:
         self._dirty = True
         self.ask()
 
-    def ask(self) -> None:
+    def ask(self, *, reload: bool = False) -> None:
         """Want a mesh for the camera and the settings as they are."""
         self._asked += 1
         camera = self._frozen or self.camera
-        self.engine.ask(Request(camera, self.settings, self._asked))
+        self.engine.ask(Request(camera, self.settings, self._asked), reload=reload)
 
     def reload(self) -> None:
         """Want the ground read again."""
-        self.engine.ask_reload()
-        self.ask()
+        self.ask(reload=True)
 
     def redraw(self) -> None:
         """Draw at the next :meth:`pump`."""
@@ -208,8 +207,10 @@ class Window:
             newest = self.frame is not None and self.frame.request.number == self._asked
             if newest and (not measured or idle):
                 break
-            if self.engine.problem is not None:
-                raise InputError(self.engine.problem)
+            problem = self.engine.problem
+            if problem is not None:
+                self._listen()
+                raise InputError(problem)
         if self.frame is None:
             raise InputError(f"expected a mesh within {seconds:g} s, got none")
         return self.frame
@@ -244,20 +245,14 @@ class Window:
 
     def pick(self, x: int, y: int) -> None:
         """Note what is known of the ground at a pixel, counted from the lower left."""
-        from vtkmodules.vtkRenderingCore import vtkWorldPointPicker
-
-        picker, frame = vtkWorldPointPicker(), self.frame
-        self._dirty = True
-        if frame is None or self.plotter.renderer.GetZ(x, y) >= 1.0:
+        frame, self._dirty = self.frame, True
+        if frame is None:
+            return
+        place = ground_seen(frame.terrain.ground, self.camera, x, y)
+        if place is None:
             self.note, self._mark.visibility = "nothing there", False
             return
-        picker.Pick(x, y, 0.0, self.plotter.renderer)
-        place = np.array(picker.GetPickPosition())
-        try:
-            pick = frame.pick(*(place + self._origin)[:2])
-        except InputError as error:
-            self.note = str(error)
-            return
+        pick = frame.pick(place[0], place[1])
         self.note = "\n".join(pick.lines())
         self._place(self._mark, np.subtract(pick.point, self._origin)[None])
 

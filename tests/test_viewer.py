@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from terrain_lod import Camera, Heightmap, UniformLod, default_camera
 from terrain_lod.errors import FileError, GraphicsError, InputError
 from terrain_lod.viewer import require_display
-from terrain_lod.viewer_camera import Rig, height_at
+from terrain_lod.viewer_camera import Rig, ground_seen, height_at
 from terrain_lod.viewer_engine import Engine
 from terrain_lod.viewer_model import Model, Request, frustum
 from terrain_lod.viewer_settings import CHOICES, LODS, MODES, Settings, sliders
@@ -135,6 +135,33 @@ def test_height_is_bilinear_clamped_and_lowest_in_holes():
     assert height_at(ground, ORIGIN[0] - 1e9, ORIGIN[1] + 1e9) == pytest.approx(100.0)
     hole = Heightmap([[9.0, np.nan], [9.0, 7.0]])
     assert height_at(hole, 1.0, 0.0) == 7.0
+
+
+@pytest.mark.parametrize("x", range(5, 320, 45))
+@pytest.mark.parametrize("y", range(5, 200, 30))
+def test_what_a_pixel_shows_projects_to_it_and_nothing_is_before_it(x, y):
+    camera = a_camera(GROUND)
+    place = ground_seen(GROUND, camera, x, y)
+    if place is None:  # the sky: no sample of the ground is there
+        points = samples(GROUND)
+        pixels, depth = camera.project(points)
+        assert not ((depth > 0) & (np.abs(pixels - [x + 0.5, 199.5 - y]).max(axis=1) < 0.5)).any()
+        return
+    (pixel,), (depth,) = camera.project([place])
+    assert pixel == pytest.approx([x + 0.5, 199.5 - y], abs=1e-3)
+    assert place[2] == pytest.approx(height_at(GROUND, place[0], place[1]), abs=3.0)
+    for share in np.linspace(0.0, 0.99, 50):
+        before = np.add(camera.eye, share * np.subtract(place, camera.eye))
+        if abs(before - GROUND.centre)[0] < 0.5 * GROUND.extent[0]:
+            assert before[2] > height_at(GROUND, before[0], before[1]) - 3.0 or share > 0.98
+    assert depth > 0
+
+
+def samples(ground):
+    row, column = np.mgrid[: ground.shape[0], : ground.shape[1]]
+    x = ground.origin[0] + ground.spacing[0] * column
+    y = ground.origin[1] - ground.spacing[1] * row
+    return np.stack([x, y, ground.elevation], axis=-1).reshape(-1, 3)
 
 
 # what is shown

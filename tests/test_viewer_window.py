@@ -218,7 +218,7 @@ def test_a_click_tells_what_is_there(controls):
     # what it found projects to where the click was
     mark = np.array(window._mark.mapper.GetInput().GetPoint(0)) + window._origin
     (pixel,), _ = window.camera.project([mark])
-    assert pixel == pytest.approx([160, SIZE[1] - 60], abs=6)
+    assert pixel == pytest.approx([160.5, SIZE[1] - 60.5], abs=0.1)
     window.drive(window.rig.look(0.0, 60.0))
     window.settle()
     window.draw()
