@@ -68,13 +68,15 @@ def from_nothing(ground: tl.Heightmap, tile: int, metres: float) -> tl.Mesh:
     return tl.Terrain(ground, tile=tile).mesh(lod=tl.MaxErrorLod(metres))
 
 
-def against(name: str, samples: int, tolerances: list[float], rounds: int) -> None:
+def against(
+    name: str, samples: int, tolerances: list[float], tiles: list[int], rounds: int
+) -> None:
     """Print time and triangles of every tile size as ratios to pydelatin's."""
     ground = ground_of(name, samples)
     print(f"{name}, {samples} x {samples} samples")
     for metres in tolerances:
         works: dict[str, Callable[[], tl.Mesh]] = {
-            f"tiles of {tile}": partial(from_nothing, ground, tile, metres) for tile in TILES
+            f"tiles of {tile}": partial(from_nothing, ground, tile, metres) for tile in tiles
         }
         for work in works.values():  # builds kernels
             work()
@@ -97,14 +99,14 @@ def against(name: str, samples: int, tolerances: list[float], rounds: int) -> No
             )
 
 
-def view(name: str, samples: int, views: int) -> None:
+def view(name: str, samples: int, tiles: list[int], views: int) -> None:
     """Print triangles and pictures a second of a low flight, and the static mesh it stands for."""
     ground = ground_of(name, samples)
     cameras = flyover(ground, views)
     static, metres = _static_mesh(ground, cameras)
     print(f"{name}, {samples} x {samples}: pydelatin keeps a pixel with {metres:.3g} m,", end=" ")
     print(f"{len(static.triangles):,} triangles")
-    for tile in TILES[:3]:
+    for tile in tiles:
         terrain = tl.Terrain(ground, tile=tile)
         lod = tl.ScreenErrorLod(1.0)
         terrain.mesh(cameras[0], lod=lod)
@@ -239,9 +241,9 @@ def main() -> None:
         return
     for name in options.ground:
         if options.part == "against":
-            against(name, options.samples, options.metres, options.rounds)
+            against(name, options.samples, options.metres, options.tiles, options.rounds)
         else:
-            view(name, options.samples, options.views)
+            view(name, options.samples, options.tiles, options.views)
 
 
 if __name__ == "__main__":
