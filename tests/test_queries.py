@@ -213,6 +213,30 @@ def test_tile_by_tile_skipping_misses_nothing_on_last_tiles() -> None:
     np.testing.assert_array_equal(hits.tile, down * terrain.grid.shape[1] + across)
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_triangles_of_all_sizes_that_cross_each_other(seed: int) -> None:
+    # a triangle over many bins is met in the first, and hit far behind nearer ones
+    random = np.random.default_rng(seed)
+    at = random.uniform(-100, 100, (400, 1, 3))
+    corners = at + random.normal(size=(400, 3, 3)) * random.exponential(40, (400, 1, 1))
+    mesh = tl.Mesh(
+        corners.reshape(-1, 3).astype(np.float32),
+        np.zeros((1200, 3), np.float32),
+        np.arange(1200, dtype=np.int32).reshape(-1, 3),
+        origin=np.array([5e5, 4e6, 100.0]),
+    )
+    origins = random.uniform(-150, 150, (500, 3)) + mesh.origin
+    directions = random.normal(size=(500, 3))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    hits = Surface(mesh).cast(origins, directions)
+    expected = queries_mesh.distances(mesh, origins, directions)
+    np.testing.assert_allclose(hits.distance, expected, rtol=1e-9, atol=1e-6)
+    points = origins[:, :2]
+    np.testing.assert_allclose(
+        Surface(mesh).height_at(points), queries_mesh.heights(mesh, points), atol=1e-6
+    )
+
+
 def test_any_mesh_can_be_asked() -> None:
     # an upright wall, and a mesh without triangles
     wall = tl.Mesh(
