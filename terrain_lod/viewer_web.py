@@ -170,10 +170,11 @@ class Page:
 
     def _build(self) -> None:
         from trame.ui.vuetify3 import SinglePageWithDrawerLayout
-        from trame.widgets import html, vuetify3
+        from trame.widgets import client, html, vuetify3
         from trame_pyvista import PyVistaRemoteView
 
         with SinglePageWithDrawerLayout(self.server) as layout:
+            client.Style("html { overflow-y: hidden !important }")
             layout.title.set_text("terrain-lod")
             layout.footer.hide()
             with layout.toolbar:

@@ -99,7 +99,8 @@ def test_page_loads_slider_moves_triangles_change_and_terrain_is_seen(address, b
         time.sleep(1.0)
         return before and before == count() and before
 
-    first = until(settled)
+    # the page begins with a view of no size to speak of
+    first = until(lambda: count() > 20_000 and settled())
     assert browser.title == "terrain-lod"
     assert "error, pixels: 1" in browser.find_element(By.TAG_NAME, "body").text
 
