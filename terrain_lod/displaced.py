@@ -11,20 +11,22 @@ import numpy.typing as npt
 from . import layout
 from .adjacency import EDGE_ENDS, Adjacency
 from .arguments import finite, one_of, positive
+from .camera import Camera
 from .device import Device, DeviceArray
 from .displaced_normals import corner_kinds, renew_normals_on_device
 from .errors import InputError
 from .mesh import Mesh
 from .open_edges import weld
-from .patch_factors import checked_factor
+from .patch_factors import EdgeFactor, checked_factor
 from .pattern import DevicePattern
 from .pn import DevicePatchMesh, evaluate_on_device, nets_on_device, patch_factors_on_device
-from .smooth import edge_factors, require_curvable, unit_normals
+from .smooth import diagonal_of, edge_factors, require_curvable, unit_normals
 from .tessellator import tessellate_device
 
 _RUNS: Final = 1024  # work-groups on a CPU, each with a run of patches
 # segments along an edge of the lattice that a map's variation is measured on
 _SAMPLED: Final = 16
+_SAMPLED_TOGETHER: Final = 4096  # triangles
 
 Array = npt.NDArray[np.float64]
 
@@ -37,6 +39,8 @@ def displace(
     *,
     scale: float = 1.0,
     bias: float = 0.0,
+    lod: EdgeFactor | None = None,
+    camera: Camera | None = None,
     curved: bool = True,
     partitioning: str = "fractional_odd",
     device: Device | None = None,
@@ -57,6 +61,10 @@ def displace(
         :func:`variation_factors` finds those that the map needs. Defaults to 5.
     scale, bias : float, optional
         Points move by ``bias + scale * height``, in world units.
+    lod : EdgeFactor, optional
+        A formula for the segments instead, asked about the surface that is not yet displaced.
+    camera : Camera, optional
+        Where detail is wanted. Nothing is culled.
     curved : bool, optional
         Displace the PN-triangles, or the plane ones.
     partitioning : {"fractional_odd", "fractional_even", "integer", "pow2"}, optional
@@ -73,7 +81,7 @@ def displace(
     ------
     InputError
         If the mesh is not sound, the map is no finite raster, or there is not one pair of finite
-        texture coordinates a vertex.
+        texture coordinates a vertex; if a factor is out of range, or a formula needs a camera.
     DeviceMemoryError
         If the device cannot hold the mesh.
 
@@ -84,15 +92,19 @@ def displace(
     require_curvable(mesh)
     one_of("partitioning", partitioning, layout.PARTITIONINGS)
     finite("scale", scale), finite("bias", bias)
+    if lod is not None and factor is not None:
+        raise InputError(f"expected a factor or a lod, got both {factor!r} and {lod}")
+    if lod is not None and lod.needs_camera and camera is None:
+        raise InputError(f"{type(lod).__name__} needs a camera, got none")
     raster, coordinates = checked_map(heights), _checked_textures(textures, mesh)
     adjacency = Adjacency.of(mesh)
     device = device or Device.open()
+    view = np.zeros((), layout.VIEW) if camera is None else camera.view(mesh.origin)
     with device.timed() as timeline:
         normals = unit_normals(mesh.normals)
         patches = DevicePatchMesh.upload(mesh.vertices, normals, adjacency, device)
         nets = nets_on_device(patches if curved else plane_patches(patches, adjacency))
-        view = np.zeros((), layout.VIEW)
-        of_edges = edge_factors(patches, adjacency, factor, None, 1.0, view)
+        of_edges = edge_factors(patches, adjacency, factor, lod, diagonal_of(mesh), view)
         factors = patch_factors_on_device(
             patches, nets, of_edges, view, cull=False, back_cosine=None
         )
@@ -226,11 +238,15 @@ def variation_factors(
     i, j = np.meshgrid(np.arange(_SAMPLED + 1), np.arange(_SAMPLED + 1), indexing="ij")
     inside = i + j <= _SAMPLED
     weights = np.stack([i, j, _SAMPLED - i - j], axis=-1)[inside] / _SAMPLED
-    corners = coordinates[mesh.triangles].astype(np.float64)
-    sampled = map_heights(raster, np.einsum("nk,tkc->tnc", weights, corners))
-    plane = map_heights(raster, corners) @ weights.T
-    off = abs(scale) * np.abs(sampled - plane).max(axis=1)
-    wanted = np.clip(np.sqrt(off / tolerance), 1, maximum)
+    off = np.empty(len(mesh.triangles))
+    # so many at a time, for all their samples are in memory
+    for first in range(0, len(off), _SAMPLED_TOGETHER):
+        some = slice(first, first + _SAMPLED_TOGETHER)
+        corners = coordinates[mesh.triangles[some]].astype(np.float64)
+        sampled = map_heights(raster, np.einsum("nk,tkc->tnc", weights, corners))
+        plane = map_heights(raster, corners) @ weights.T
+        off[some] = np.abs(sampled - plane).max(axis=1)
+    wanted = np.clip(np.sqrt(abs(scale) * off / tolerance), 1, maximum)
     adjacency = Adjacency.of(mesh)
     of_edge = np.zeros(len(adjacency.sides))
     np.maximum.at(of_edge, adjacency.edges, wanted[:, None])

@@ -136,7 +136,7 @@ def pn_triangles(
             source.vertices, unit_normals(source.normals), adjacency, device
         )
         nets = nets_on_device(patches)
-        of_edges = edge_factors(patches, adjacency, factor, lod, _diagonal(mesh), view)
+        of_edges = edge_factors(patches, adjacency, factor, lod, diagonal_of(mesh), view)
         factors = patch_factors_on_device(
             patches,
             nets,
@@ -236,7 +236,7 @@ def unit_normals(normals: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
     return unit
 
 
-def _diagonal(mesh: Mesh) -> float:
+def diagonal_of(mesh: Mesh) -> float:
     """Return the diagonal of the mesh's bounds, above 0."""
     used = mesh.vertices[mesh.triangles.ravel()]
     return float(np.linalg.norm(np.ptp(used.astype(np.float64), axis=0))) or 1.0

@@ -9,15 +9,23 @@ import pytest
 from curved_meshes import CLOSED, cube, torus
 
 from terrain_lod.adjacency import Adjacency
+from terrain_lod.camera import Camera
 from terrain_lod.checks_displaced import check_decal_reach, check_displaced_normals
 from terrain_lod.cracks import crack_report
 from terrain_lod.decals import Decal, dent, dent_on_device, shoot
 from terrain_lod.device import Device
-from terrain_lod.displaced import displace
+from terrain_lod.displaced import displace, variation_factors
 from terrain_lod.displaced_normals import corner_kinds
+from terrain_lod.errors import InputError
 from terrain_lod.layout import DECAL
 from terrain_lod.mesh import Mesh
 from terrain_lod.open_edges import weld
+from terrain_lod.patch_factors import (
+    CurvatureFactor,
+    DistanceFactor,
+    LengthFactor,
+    SilhouetteFactor,
+)
 from terrain_lod.reference import displaced as reference
 from terrain_lod.smooth import pn_triangles
 
@@ -89,6 +97,42 @@ def test_normals_converge_to_those_of_the_true_surface():
     true /= np.linalg.norm(true, axis=1, keepdims=True)
     assert np.median(angles(found.normals, true)) < 0.5
     assert np.quantile(angles(found.normals, true), 0.99) < 3
+
+
+CAMERA = Camera((5, -6, 4), (0, 0, 0), fov=50, size=(320, 240))
+
+
+@pytest.mark.parametrize(
+    "lod", [DistanceFactor(5, 12), LengthFactor(12), SilhouetteFactor(), CurvatureFactor(0.2)]
+)
+@pytest.mark.parametrize("name", ["cube", "cone", "torus", "bulging cube"])
+def test_closed_with_factors_by_formula(name, lod):
+    mesh = CLOSED[name]()
+    textures = np.random.default_rng(7).uniform(-1, 2, (len(mesh.vertices), 2))
+    found = displace(mesh, WAVES, textures, scale=0.1, lod=lod, camera=CAMERA)
+    assert not crack_report(found, closed=True)
+    # a cube's edges are straight before they are displaced
+    straight = isinstance(lod, CurvatureFactor) and name == "cube"
+    assert straight == (len(found.triangles) < 2 * len(mesh.triangles))
+
+
+def test_formulas_need_a_camera_and_stand_alone():
+    mesh = cube()
+    textures = mesh.vertices[:, :2]
+    with pytest.raises(InputError, match="DistanceFactor needs a camera, got none"):
+        displace(mesh, WAVES, textures, lod=DistanceFactor())
+    with pytest.raises(InputError, match="a factor or a lod, got both"):
+        displace(mesh, WAVES, textures, 3, lod=DistanceFactor(), camera=CAMERA)
+
+
+def test_factors_from_a_map_do_not_depend_on_how_many_are_asked_together(monkeypatch):
+    mesh = torus(16, 8)
+    textures = mesh.vertices[:, :2] * 0.2
+    expected = variation_factors(mesh, WAVES, textures, scale=0.2, tolerance=0.01)
+    monkeypatch.setattr("terrain_lod.displaced._SAMPLED_TOGETHER", 7)
+    found = variation_factors(mesh, WAVES, textures, scale=0.2, tolerance=0.01)
+    np.testing.assert_array_equal(found, expected)
+    assert found.max() > 2
 
 
 def test_corners_of_a_kind_share_position_and_normal():
