@@ -76,16 +76,26 @@ inline Surface surface_at(const Vertices mesh, const float *weights)
     return inside_patch(mesh, weights);
 }
 
+// the whole number below, without a call that a CPU does not inline
+inline int floor_of(float x)
+{
+    const int toward_zero = (int)x;
+    return toward_zero - (toward_zero > x);
+}
+
 // Bilinear between the map's samples, which stand in the middles of its cells; the map repeats. The
 // texture's v runs up, the map's rows down.
 inline float height_at(__global const float *heights, int rows, int columns, float2 texture)
 {
-    const float x = (texture.x - floor(texture.x)) * columns - 0.5f;
-    const float y = (1.0f - (texture.y - floor(texture.y))) * rows - 0.5f;
-    const int left = (int)floor(x), above = (int)floor(y);
+    const float x = (texture.x - floor_of(texture.x)) * columns - 0.5f;
+    const float y = (1.0f - (texture.y - floor_of(texture.y))) * rows - 0.5f;
+    // from -1 on, and below the number of samples
+    const int left = floor_of(x), above = floor_of(y);
     const float across = x - left, down = y - above;
-    const int near_column = (left + columns) % columns, near_row = (above + rows) % rows;
-    const int far_column = (left + 1) % columns, far_row = (above + 1) % rows;
+    const int near_column = left < 0 ? columns - 1 : left;
+    const int near_row = above < 0 ? rows - 1 : above;
+    const int far_column = left + 1 < columns ? left + 1 : 0;
+    const int far_row = above + 1 < rows ? above + 1 : 0;
     const float a = heights[(size_t)near_row * columns + near_column];
     const float b = heights[(size_t)near_row * columns + far_column];
     const float c = heights[(size_t)far_row * columns + near_column];

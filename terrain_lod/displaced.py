@@ -27,6 +27,7 @@ _RUNS: Final = 1024  # work-groups on a CPU, each with a run of patches
 # segments along an edge of the lattice that a map's variation is measured on
 _SAMPLED: Final = 16
 _SAMPLED_TOGETHER: Final = 4096  # triangles
+_LARGEST_COORDINATE: Final = 1 << 20
 
 Array = npt.NDArray[np.float64]
 
@@ -291,5 +292,11 @@ def _checked_textures(textures: npt.ArrayLike, mesh: Mesh) -> npt.NDArray[np.flo
         raise InputError(
             f"expected finite texture coordinates ({len(mesh.vertices)}, 2), one pair a vertex, "
             f"got shape {coordinates.shape}"
+        )
+    largest = float(np.abs(coordinates).max(initial=0.0))
+    if largest > _LARGEST_COORDINATE:
+        raise InputError(
+            f"expected texture coordinates within {_LARGEST_COORDINATE}, where float32 still has "
+            f"places in a map, got {largest:g}"
         )
     return coordinates

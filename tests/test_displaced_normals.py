@@ -125,6 +125,17 @@ def test_formulas_need_a_camera_and_stand_alone():
         displace(mesh, WAVES, textures, 3, lod=DistanceFactor(), camera=CAMERA)
 
 
+def test_maps_repeat_without_end_and_coordinates_have_one():
+    mesh = cube()
+    textures = np.float32([0.0, -1e-9]) + np.round(mesh.vertices[:, :2])
+    expected = displace(mesh, WAVES, textures, 5, scale=0.1)
+    for turns in (1, -3, 1000):
+        found = displace(mesh, WAVES, textures + turns, 5, scale=0.1)
+        np.testing.assert_allclose(found.vertices, expected.vertices, atol=2e-4)
+    with pytest.raises(InputError, match="texture coordinates within 1048576"):
+        displace(mesh, WAVES, textures + 2.0**21)
+
+
 def test_factors_from_a_map_do_not_depend_on_how_many_are_asked_together(monkeypatch):
     mesh = torus(16, 8)
     textures = mesh.vertices[:, :2] * 0.2
