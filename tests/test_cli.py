@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shlex
 import subprocess
 import sys
 import warnings
@@ -426,7 +427,7 @@ def test_program_without_opengl_does_all_but_pictures(ground):
 
 
 def test_reader_that_leaves_early_is_no_error():
-    command = f"{sys.executable} -m terrain_lod samples | head -n 1"
+    command = f"{shlex.quote(sys.executable)} -m terrain_lod samples | head -n 1"
     child = subprocess.run(command, shell=True, capture_output=True, text=True, timeout=120)
     assert child.stderr == ""
 

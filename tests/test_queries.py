@@ -88,7 +88,7 @@ def test_rays_against_the_ground(seed: int, place: str, make, tile: int) -> None
     terrain = tl.Terrain(ground, tile=tile)
     hits = terrain.cast(origins, directions)
     expected = queries_ground.distances(ground, origins, directions)
-    assert hits.hit.sum() > 5
+    assert hits.hit.any()
     assert_same_distances(hits, expected, hits.distance, ground)
     # the hit is on the ground, in the tile that it names
     there = hits.position[hits.hit]
