@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 import resource
 from collections.abc import Callable, Iterator
+from itertools import product
 from pathlib import Path
 from statistics import median
 from time import perf_counter, sleep
@@ -129,9 +130,15 @@ def tour(controls: Controls) -> Iterator[Callable[[], None]]:
     yield lambda: window.plotter.render_window.SetSize(900, 900)
     yield window.reload
     for choice in CHOICES:
-        for value in choice.values:
+        first, *rest = choice.values
+        for value in (*rest, first):
             yield lambda name=choice.name, value=value: window.change(name, value)
-        yield lambda name=choice.name: window.change(name, getattr(window.model.settings(), name))
+    # kernels are built for each tile size and edge rule, and kept
+    values = {choice.name: choice.values for choice in CHOICES}
+    for tile, rule in product(values["tile"], values["edges"]):
+        yield lambda tile=tile, rule=rule: window.apply(
+            window.settings.changed("tile", tile).changed("edges", rule)
+        )
     for lod in LODS:
         yield lambda lod=lod: window.change("lod", lod)
         for slider in window.settings.changed("lod", lod).sliders:
