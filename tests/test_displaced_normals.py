@@ -206,3 +206,53 @@ def test_a_dented_displaced_mesh_stays_closed():
     decal = shoot(moved, (6, 0, 0.1), (-1, 0, 0), 0.5, scale=0.2)
     assert isinstance(decal, Decal)
     assert not crack_report(dent(moved, [decal], BOWL, 5), closed=True)
+
+
+def two_cubes_at_an_edge():
+    one = cube()
+    vertices = np.concatenate([one.vertices, one.vertices + np.float32([1, 1, 0])])
+    triangles = np.concatenate([one.triangles, one.triangles + np.int32(24)])
+    return Mesh(vertices, np.concatenate([one.normals, one.normals]), triangles)
+
+
+def needles():
+    vertices = np.float32([[0, 0, 0], [1e3, 0, 0], [0, 1e-3, 0], [0, 0, 1]])
+    lengths = np.maximum(np.linalg.norm(vertices, axis=1, keepdims=True), np.float32(1e-9))
+    triangles = np.int32([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+    return Mesh(vertices, vertices / lengths, triangles)
+
+
+def ring_with_normals(change):
+    mesh = torus(12, 6)
+    change(mesh.normals)
+    return mesh
+
+
+def cube_with_triangles_without_area():
+    mesh = cube()
+    return Mesh(mesh.vertices, mesh.normals, np.int32([*mesh.triangles, (0, 0, 1), (2, 2, 2)]))
+
+
+HARD = {
+    "four faces at an edge": two_cubes_at_an_edge,
+    "needles": needles,
+    "zero normals": lambda: ring_with_normals(lambda normals: normals[::3].fill(0)),
+    "opposite normals": lambda: ring_with_normals(lambda normals: np.negative(*[normals[::2]] * 2)),
+    "no area": cube_with_triangles_without_area,
+}
+
+
+@pytest.mark.parametrize("curved", [True, False])
+@pytest.mark.parametrize("name", HARD)
+def test_hard_cases_stay_closed_and_finite(name, curved):
+    mesh, random = HARD[name](), np.random.default_rng(8)
+    textures = random.uniform(-1, 2, (len(mesh.vertices), 2))
+    factors = random.uniform(1, 9, mesh.triangles.shape)
+    decal = Decal(tuple(mesh.vertices[3].tolist()), (0, 0, 1), (1, 0, 0), 0.5, scale=0.2)
+    for found in (
+        displace(mesh, WAVES, textures, factors, scale=0.1, curved=curved),
+        dent(mesh, [decal], BOWL, 9, curved=curved),
+    ):
+        assert not crack_report(found, closed=True)
+        assert np.isfinite(found.vertices).all()
+        np.testing.assert_allclose(np.linalg.norm(found.normals, axis=1), 1, atol=1e-6)
