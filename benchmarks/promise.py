@@ -138,10 +138,10 @@ def _static_mesh(ground: tl.Heightmap, cameras: tuple[tl.Camera, ...]) -> tuple[
     return best, low
 
 
-def ladder(megapixels: list[int], rounds: int) -> None:
+def ladder(megapixels: list[int], tiles: list[int], rounds: int) -> None:
     """Print what the ladder costs a megapixel; smallest and largest raster in turn."""
     device = tl.Device.open()
-    for tile in (7, 15):
+    for tile in tiles:
         works = {}
         for size in megapixels:
             samples = int(1024 * np.sqrt(size))
@@ -161,7 +161,7 @@ def ladder(megapixels: list[int], rounds: int) -> None:
         costs = {size: median(found) for size, found in times.items()}
         each = ", ".join(f"{size}: {1e3 * cost:.1f}" for size, cost in costs.items())
         spread = max(costs.values()) / min(costs.values())
-        print(f"ladder, tiles of {tile}: ms a megapixel {each}; {spread:.2f} x apart")
+        print(f"ladder, tiles of {tile}: ms a megapixel {each}; {spread:.2f} x apart", flush=True)
 
 
 def cameras_over(ground: tl.Heightmap, count: int) -> Iterator[tl.Camera]:
@@ -234,7 +234,7 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=5)
     options = parser.parse_args()
     if options.part == "ladder":
-        ladder(options.megapixels, options.rounds)
+        ladder(options.megapixels, options.tiles, options.rounds)
         return
     if options.part == "kept":
         kept(options.ground, options.samples, options.cameras, options.tiles)
