@@ -103,7 +103,8 @@ def _sections(made: SweepReport) -> Iterator[str]:
         paragraph(
             "Errors are measured at every sample, from the triangles, by the same code for all; "
             "in pixels at every sample in view. Kept: whether the error asked for is the error "
-            "measured, and by which factor it was missed if not. Pop: how far the surface jumps to "
+            "measured, and by which factor it was missed if not; a peer is forgiven a thousandth, "
+            "which rounding may add, ours nothing. Pop: how far the surface jumps to "
             "the next of 240 pictures of the flight.",
             kind="soft",
         ),

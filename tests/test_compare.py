@@ -114,6 +114,7 @@ def test_pops_are_those_of_the_public_measure(course: Course) -> None:
 
 def test_a_broken_promise_is_told(promised: Result) -> None:
     assert "in every case tried: MaxErrorLod" in " ".join(findings([promised], [], []))
+    assert replace(promised, metres=5.000001).broken  # nothing is forgiven
     broken = replace(promised, metres=7.0)
     assert broken.broken == pytest.approx(1.4)
     text = " ".join(findings([broken], [], []))
@@ -122,12 +123,15 @@ def test_a_broken_promise_is_told(promised: Result) -> None:
 
 def test_a_better_peer_is_not_hidden(promised: Result) -> None:
     peer = next(peer for peer in PEERS if peer.name == "pydelatin")
+    assert promised.metres <= 5.0
     theirs = replace(
         promised,
         contender=Contender("pydelatin", 5.0, "m", peer=peer),
         triangles=promised.triangles // 4,
         pixels=0.5,
     )
+    assert replace(theirs, metres=5.0001).broken is None  # rounding
+    assert replace(theirs, metres=5.1).broken
     text = " ".join(findings([promised, theirs], [], []))
     assert f"{promised.triangles:,} against {theirs.triangles:,}, 4 times" in text
     assert "it is the better choice" in text
