@@ -16,7 +16,9 @@
 
 inline double3 corner(__global const float *vertices, int index)
 {
-    return convert_double3(vload3(index, vertices));
+    // no vload3: PoCL calls it, and this is the innermost loop
+    __global const float *vertex = vertices + 3 * (size_t)index;
+    return (double3)(vertex[0], vertex[1], vertex[2]);
 }
 
 typedef struct {
@@ -26,9 +28,9 @@ typedef struct {
 inline Corners corners_of(int triangle, __global const int *triangles,
                           __global const float *vertices)
 {
-    const int3 index = vload3(triangle, triangles);
-    const Corners corners = {corner(vertices, index.x), corner(vertices, index.y),
-                             corner(vertices, index.z)};
+    __global const int *index = triangles + 3 * (size_t)triangle;
+    const Corners corners = {corner(vertices, index[0]), corner(vertices, index[1]),
+                             corner(vertices, index[2])};
     return corners;
 }
 
@@ -108,6 +110,11 @@ inline double3 areas_around(double2 a, double2 b, double2 c)
     return negative && positive ? (double3)(0.0, 0.0, 0.0) : areas;
 }
 
+inline double higher(double highest, double height)
+{
+    return highest > height ? highest : height;
+}
+
 __kernel void mesh_heights(const int count, const Bins bins,
                            __global const uint *offsets,
                            __global const int *lists,
@@ -129,7 +136,8 @@ __kernel void mesh_heights(const int count, const Bins bins,
             const double3 areas = areas_around(t.a.xy - point, t.b.xy - point, t.c.xy - point);
             const double sum = areas.x + areas.y + areas.z;
             if (sum != 0.0)
-                highest = fmax(highest, (areas.x * t.a.z + areas.y * t.b.z + areas.z * t.c.z) / sum);
+                highest = higher(
+                    highest, (areas.x * t.a.z + areas.y * t.b.z + areas.z * t.c.z) / sum);
         }
     }
     found[i] = highest;
