@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import importlib.util
 import math
 import os
@@ -295,6 +296,24 @@ def test_a_picture_that_cannot_be_written_is_a_note(controls):
     controls._pictures = Path("/nonexistent")
     press(controls, "c")
     assert "expected a folder" in controls.window.note
+
+
+# imageio leaves the pipes to ffmpeg to the garbage collector
+@pytest.mark.filterwarnings("ignore::ResourceWarning")
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+def test_mp4_with_its_extra(tmp_path):
+    pytest.importorskip("imageio_ffmpeg", reason="no MP4 tested: terrain_lod[movie] is missing")
+    import imageio
+
+    movie = Movie(tmp_path / "fly.mp4")
+    for level in (0, 120, 240):
+        movie.add(np.full((61, 81, 3), level, np.uint8))
+    movie.close()
+    pictures = imageio.mimread(tmp_path / "fly.mp4")
+    assert [round(float(picture.mean()), -1) for picture in pictures] == [0, 120, 240]
+    assert pictures[0].shape[:2] == (60, 80)
+    del movie
+    gc.collect()
 
 
 def test_recordings_say_what_they_need(tmp_path, monkeypatch):
