@@ -12,6 +12,7 @@ import pytest
 from grounds import holed, rough
 
 import terrain_lod as tl
+from terrain_lod.cli import run
 from terrain_lod.compare import compare_all
 from terrain_lod.compare_peers import PEERS, Peer, uniform_grid
 from terrain_lod.compare_sweep import Contender, contenders, installed, tolerances
@@ -170,3 +171,35 @@ def test_report_is_the_same_every_time(tmp_path: Path, monkeypatch: pytest.Monke
 def test_wrong_views(tmp_path: Path, views: float) -> None:
     with pytest.raises(tl.InputError, match="views"):
         compare_all(GROUND, tmp_path, views=views)
+
+
+@pytest.mark.parametrize(
+    ("tokens", "message"),
+    [
+        (["ridge", "--compare", "--stability"], "expected --compare or --stability, got both"),
+        ([], "expected GROUND"),
+        (["ridge", "--compare", "--views", "0"], "views"),
+    ],
+)
+def test_command_refuses(
+    tokens: list[str], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["report", *tokens, "-o", str(tmp_path / "out")]) == 2
+    error = capsys.readouterr().err
+    assert message in error
+    assert error.count("\n") == 1
+
+
+def test_command_compares(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sweep = [each for each in contenders(GROUND, 15) if each.parameter == 1.0]
+    monkeypatch.setattr("terrain_lod.compare.contenders", lambda ground, tile: sweep)
+    np.save(tmp_path / "hills.npy", GROUND.heights)
+    out = tmp_path / "out"
+    tokens = ["report", str(tmp_path / "hills.npy"), "--compare", "--views", "1", "-o", str(out)]
+    assert run(tokens) == 0
+    assert {"compare.html", "compare.json", "compare.csv", "times.csv"} <= {
+        path.name for path in out.iterdir()
+    }
+    assert "Edge rules, at one pixel" in capsys.readouterr().out
