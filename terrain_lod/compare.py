@@ -13,6 +13,7 @@ import math
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
+from itertools import count
 from pathlib import Path
 from typing import Any, Final
 
@@ -91,9 +92,8 @@ def compare_all(
 ) -> SweepReport:
     """Measure every level of detail and every installed peer over a camera path; write it down.
 
-    Writes ``compare.html`` (self-contained), ``compare.json`` and ``compare.csv``, which are the
-    same for the same ground and device every time, ``times.csv``, which is not, two plots and,
-    where this machine can draw, pictures coloured by level of detail.
+    The same ground and device give the same ``compare.json``, ``compare.csv`` and plot of
+    triangles every time; ``compare.html`` (self-contained) and ``times.csv`` hold times as well.
 
     Parameters
     ----------
@@ -108,31 +108,22 @@ def compare_all(
     progress : callable, optional
         Called with steps done and steps in all.
 
-    Returns
-    -------
-    SweepReport
-
     Raises
     ------
-    InputError
-        If an option is not one of these.
-    FileError
-        If the directory or a file cannot be written.
-    DeviceMemoryError
-        If the device cannot hold the ground or a mesh.
+    InputError, FileError, DeviceMemoryError
+        If an option is not one of these, a file cannot be written, or the device is too small.
     """
     views = whole("views", views, 1, 100)
     folder = require_made(Path(directory))
     course = Course(ground, views, device or Device.open())
     course.terrain(tile)  # a wrong tile is refused before anything takes time
     groups = contenders(ground, tile), tile_sizes(ground), partitionings(tile)
-    total, done = sum(map(len, groups)) + 1, 0
+    total = sum(map(len, groups)) + 1
+    done = count(1)
 
     def step() -> None:
-        nonlocal done
-        done += 1
         if progress is not None:
-            progress(done, total)
+            progress(next(done), total)
 
     sweep, tiles, ways = (run(course, group, step) for group in groups)
     made = SweepReport(

@@ -98,19 +98,7 @@ def _sections(made: SweepReport) -> Iterator[str]:
         figure(made.files["time"], "Time from raster to mesh against the largest error, warm"),
     )
     yield _seen(made)
-    yield section(
-        "Everything tried",
-        paragraph(
-            "Errors are measured at every sample, from the triangles, by the same code for all; "
-            "in pixels at every sample in view. Kept: whether the error asked for is the error "
-            "measured, and by which factor it was missed if not; a peer is forgiven a thousandth, "
-            "which rounding may add, ours nothing. Pop: how far the surface jumps to "
-            "the next of 240 pictures of the flight.",
-            kind="soft",
-        ),
-        listing(_HEADS, map(_line, made.sweep), words=2),
-        *(_absent(made.missing) if made.missing else ()),
-    )
+    yield _tried(made)
     yield section(
         "Time and memory",
         paragraph(
@@ -132,7 +120,27 @@ def _sections(made: SweepReport) -> Iterator[str]:
             words=3,
         ),
     )
-    yield section(
+    yield _popping(made)
+
+
+def _tried(made: SweepReport) -> str:
+    return section(
+        "Everything tried",
+        paragraph(
+            "Errors are measured at every sample, from the triangles, by the same code for all; "
+            "in pixels at every sample in view. Kept: whether the error asked for is the error "
+            "measured, and by which factor it was missed if not; a peer is forgiven a thousandth, "
+            "which rounding may add, ours nothing. Pop: how far the surface jumps to "
+            "the next of 240 pictures of the flight.",
+            kind="soft",
+        ),
+        listing(_HEADS, map(_line, made.sweep), words=2),
+        *(_absent(made.missing) if made.missing else ()),
+    )
+
+
+def _popping(made: SweepReport) -> str:
+    return section(
         "Popping",
         paragraph(
             "Distance LOD in every partitioning: between whole numbers of segments the surface "
