@@ -41,9 +41,7 @@ def bare_read(device: Device, values: DeviceArray) -> Callable[[], object]:
     groups = 4096 if device.is_gpu else 256
     kernel = device.kernel("bandwidth.cl", "read_floats", GROUP=group)
     sums = device.empty(groups * group, np.float32)
-    return lambda: kernel(
-        (groups * group,), (group,), values=values, count=values.size, sums=sums
-    )
+    return lambda: kernel((groups * group,), (group,), values=values, count=values.size, sums=sums)
 
 
 def bare_copy(device: Device, nbytes: int) -> Callable[[], object]:
