@@ -12,7 +12,7 @@ WORKERS ?= 2
 
 python := .venv/bin/python
 mesa := libegl1 libgl1-mesa-dri
-draws := from terrain_lod.graphics import require_graphics as check; check()
+draws := from terrain_lod.drawing.graphics import require_graphics as check; check()
 as_root := $(if $(filter 0,$(shell id -u)),,sudo -n)
 
 .PHONY: help demo test clean

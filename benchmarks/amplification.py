@@ -3,13 +3,10 @@
     python benchmarks/amplification.py [--levels 1 3 ... 15] [--rounds 5] [--out amplification.svg]
 
 One cube, twenty cubes, a character of about 2,000 triangles and twenty of it, each copy turned and
-placed on its own, at every odd level, in each of the ways of ``terrain_lod.amplify``. Prints device
-times of a frame (medians of interleaved rounds) and bytes, says which way wins where, and checks
-the finding that stored triangles need about 200 times the memory at level 11; draws it all.
-
-A frame ends with its triangles in memory: there is no rasteriser that takes them over. Those bytes
-are the same for all ways that do not share vertices, and counted apart from what is kept between
-frames and what is needed on the way.
+placed on its own, at every odd level, in each of the ways of
+``terrain_lod.curved.amplify``. Prints device times of a frame (medians of interleaved rounds) and
+bytes, says which way wins where, and checks the finding that stored triangles need about 200 times
+the memory at level 11; draws it all.
 """
 
 from __future__ import annotations
@@ -26,7 +23,7 @@ from character import character
 from measure import interleaved
 
 import terrain_lod as tl
-from terrain_lod.amplify import WAYS, Amplifier, Scene, triangles_of
+from terrain_lod.curved.amplify import WAYS, Amplifier, Scene, triangles_of
 
 LEVELS = tuple(range(1, 16, 2))
 # what the thesis calls them, and how they are drawn

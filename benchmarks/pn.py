@@ -16,9 +16,9 @@ from measure import bare_copy, interleaved, ratio
 
 import terrain_lod as tl
 from terrain_lod import layout
-from terrain_lod.adjacency import Adjacency
-from terrain_lod.patch_factors import UniformFactor
-from terrain_lod.pn import (
+from terrain_lod.curved.adjacency import Adjacency
+from terrain_lod.curved.patch_factors import UniformFactor
+from terrain_lod.curved.pn import (
     DevicePatchMesh,
     edge_factors_on_device,
     evaluate_on_device,

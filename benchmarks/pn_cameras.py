@@ -17,8 +17,7 @@ from pathlib import Path
 import numpy as np
 
 import terrain_lod as tl
-from terrain_lod.cracks import crack_report
-from terrain_lod.patch_factors import (
+from terrain_lod.curved.patch_factors import (
     CurvatureFactor,
     DistanceFactor,
     EdgeFactor,
@@ -27,8 +26,9 @@ from terrain_lod.patch_factors import (
     SilhouetteFactor,
     UniformFactor,
 )
-from terrain_lod.render import render
-from terrain_lod.smooth import pn_triangles
+from terrain_lod.curved.smooth import pn_triangles
+from terrain_lod.drawing.render import render
+from terrain_lod.measure.cracks import crack_report
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from curved_meshes import CLOSED

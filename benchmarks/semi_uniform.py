@@ -19,10 +19,9 @@ import numpy as np
 from pn import wavy_torus
 
 import terrain_lod as tl
-from terrain_lod.adjacency import Adjacency
-from terrain_lod.patch_factors import EdgeFactor, SilhouetteFactor, UniformFactor
-from terrain_lod.pattern import DevicePattern
-from terrain_lod.pn import (
+from terrain_lod.curved.adjacency import Adjacency
+from terrain_lod.curved.patch_factors import EdgeFactor, SilhouetteFactor, UniformFactor
+from terrain_lod.curved.pn import (
     DevicePatchMesh,
     edge_factors_on_device,
     evaluate_on_device,
@@ -30,7 +29,8 @@ from terrain_lod.pn import (
     nets_on_device,
     patch_factors_on_device,
 )
-from terrain_lod.semi_uniform import semi_uniform_device
+from terrain_lod.curved.semi_uniform import semi_uniform_device
+from terrain_lod.pattern import DevicePattern
 
 VIEWS = 5
 # a mesh whose uniform refinement is larger than that is left out

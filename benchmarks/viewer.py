@@ -20,12 +20,12 @@ from typing import Any
 import numpy as np
 
 import terrain_lod as tl
-from terrain_lod.camera_path import flyover
-from terrain_lod.viewer_camera import Rig
-from terrain_lod.viewer_controls import Controls
-from terrain_lod.viewer_model import Model
-from terrain_lod.viewer_settings import CHOICES, LODS, MODES
-from terrain_lod.viewer_window import Window
+from terrain_lod.viewer.camera_path import flyover
+from terrain_lod.viewer.controls import Controls
+from terrain_lod.viewer.model import Model
+from terrain_lod.viewer.settings import CHOICES, LODS, MODES
+from terrain_lod.viewer.viewer_camera import Rig
+from terrain_lod.viewer.window import Window
 
 KEYS = (*"123456mlpektfgrhwasd", "Up", "Down", "Left", "Right", "F13")
 

@@ -6,11 +6,11 @@ from PIL import Image
 from pyvista import examples
 
 import terrain_lod as tl
-from terrain_lod.cracks import crack_report
-from terrain_lod.mesh_loading import load_mesh
-from terrain_lod.patch_factors import SilhouetteFactor
-from terrain_lod.render import render
-from terrain_lod.smooth import pn_triangles
+from terrain_lod.curved.patch_factors import SilhouetteFactor
+from terrain_lod.curved.smooth import pn_triangles
+from terrain_lod.drawing.render import render
+from terrain_lod.files.mesh_loading import load_mesh
+from terrain_lod.measure.cracks import crack_report
 
 
 def camera_at(mesh: tl.Mesh) -> tl.Camera:

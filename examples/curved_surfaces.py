@@ -4,10 +4,10 @@ from pathlib import Path
 
 import numpy as np
 
-from terrain_lod.bezier import bezier
-from terrain_lod.cracks import crack_report
-from terrain_lod.curves import curve
-from terrain_lod.surfaces import surface
+from terrain_lod.curved.bezier import bezier
+from terrain_lod.curved.curves import curve
+from terrain_lod.curved.surfaces import surface
+from terrain_lod.measure.cracks import crack_report
 
 # 24 bicubic patches of our own; any .bpt file of the Utah teapot does as well
 pot = bezier(Path(__file__).parent / "data" / "pot.bpt", factor=7.5)

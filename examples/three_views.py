@@ -4,7 +4,7 @@ import numpy as np
 from PIL import Image
 
 import terrain_lod as tl
-from terrain_lod.render import render
+from terrain_lod.drawing.render import render
 
 ground = tl.sample("ridge")
 camera = tl.default_camera(ground, size=(1500, 640))

@@ -4,7 +4,7 @@
 //
 //     Bead curve(Parameter t, __global const float *shape)
 //
-// and one row of terrain_lod/curves.py, which names its numbers: shape[RADIUS] is what was given for
+// and one row of terrain_lod/curved/curves.py, which names its numbers: shape[RADIUS] is what was given for
 // radius. Where a curve closes, t = 1 is evaluated as t = 0.
 //
 // Built with: GROUP work-items a piece, CURVE the header, CLOSED (0 or 1), the index of each number

@@ -5,7 +5,7 @@
 //          | 0 | 1 | 2 |             Place surface(Parameter u, Parameter v,
 //          +---+---+---+                           __global const float *shape)
 //          | 3 | 4 | 5 |
-//   v = 1  +---+---+---+         and one row of terrain_lod/surfaces.py, which names its numbers:
+//   v = 1  +---+---+---+         and one row of terrain_lod/curved/surfaces.py, which names its numbers:
 //                                shape[RADIUS] is what was given for radius.
 //
 // Where a surface closes, u = 1 is evaluated as u = 0, so that the seam has the same bits at both

@@ -10,19 +10,39 @@
 
 from .analysis import TileAnalysis, analyse
 from .camera import Camera
-from .cracks import CrackReport, crack_report
+from .curved.bezier import bezier
+from .curved.creases import split_at_creases
+from .curved.curved_mesh import CurvedMesh
+from .curved.curves import Polyline, curve
+from .curved.decals import Decal, dent, shoot
+from .curved.displaced import displace, variation_factors
+from .curved.patch_factors import (
+    CurvatureFactor,
+    DistanceFactor,
+    LengthFactor,
+    OrientationFactor,
+    SilhouetteFactor,
+    UniformFactor,
+)
+from .curved.semi_uniform import semi_uniform
+from .curved.smooth import pn_triangles
+from .curved.surfaces import surface
 from .device import Device, devices
-from .error import VerticalError, vertical_error
+from .drawing.viewpoint import default_camera
 from .errors import (
     DeviceError,
     DeviceMemoryError,
     FileError,
+    GraphicsError,
     InputError,
     MissingExtraError,
     TerrainError,
 )
+from .files.bpt import load_bpt, save_bpt
+from .files.loading import load
+from .files.mesh_loading import load_mesh
+from .files.samples import sample, sample_names
 from .heightmap import Heightmap
-from .loading import load
 from .lod import (
     BudgetLod,
     CoplanarityLod,
@@ -35,13 +55,9 @@ from .lod import (
     UniformLod,
     Weighted,
 )
-from .mesh import Achieved, Mesh, Patches
-from .mesh_loading import load_mesh
-from .pattern import Pattern
-from .queries import Hits
-from .queries_mesh import Surface
-from .samples import sample, sample_names
-from .screen_error import (
+from .measure.cracks import CrackReport, crack_report
+from .measure.error import VerticalError, vertical_error
+from .measure.screen_error import (
     Pop,
     ScreenError,
     normal_error,
@@ -49,9 +65,12 @@ from .screen_error import (
     screen_error,
     silhouette_error,
 )
+from .mesh import Achieved, Mesh, Patches
+from .pattern import Pattern
+from .queries import Hits
+from .queries_mesh import Surface
 from .terrain import Terrain
 from .tessellator import tessellate
-from .viewpoint import default_camera
 
 __all__ = [
     "Achieved",
@@ -59,44 +78,66 @@ __all__ = [
     "Camera",
     "CoplanarityLod",
     "CrackReport",
+    "CurvatureFactor",
+    "CurvedMesh",
+    "Decal",
     "Device",
     "DeviceError",
     "DeviceMemoryError",
+    "DistanceFactor",
     "DistanceLod",
     "FileError",
+    "GraphicsError",
     "Heightmap",
     "Hits",
     "InputError",
+    "LengthFactor",
     "Lod",
     "MaxErrorLod",
     "Mesh",
     "MissingExtraError",
+    "OrientationFactor",
     "Patches",
     "Pattern",
+    "Polyline",
     "Pop",
     "PromiseLod",
     "ScreenAreaLod",
     "ScreenError",
     "ScreenErrorLod",
+    "SilhouetteFactor",
     "Surface",
     "Terrain",
     "TerrainError",
     "TileAnalysis",
+    "UniformFactor",
     "UniformLod",
     "VerticalError",
     "Weighted",
     "analyse",
+    "bezier",
     "crack_report",
+    "curve",
     "default_camera",
+    "dent",
     "devices",
+    "displace",
     "load",
+    "load_bpt",
     "load_mesh",
     "normal_error",
+    "pn_triangles",
     "pop_metric",
     "sample",
     "sample_names",
+    "save_bpt",
     "screen_error",
+    "semi_uniform",
+    "shoot",
     "silhouette_error",
+    "split_at_creases",
+    "surface",
     "tessellate",
+    "variation_factors",
     "vertical_error",
 ]

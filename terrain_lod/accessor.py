@@ -13,9 +13,9 @@ from typing import Any, Final
 import numpy as np
 import pyvista
 
-from .cracks import CrackReport, crack_report
-from .error import VerticalError, vertical_error
 from .heightmap import Heightmap
+from .measure.cracks import CrackReport, crack_report
+from .measure.error import VerticalError, vertical_error
 from .mesh import Mesh
 
 NAME: Final = "terrain_lod"

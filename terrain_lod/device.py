@@ -27,12 +27,12 @@ import pyopencl as cl
 from pyopencl.tools import ImmediateAllocator, MemoryPool
 
 from . import layout
-from .device_info import DeviceInfo, find_device, listing, require_memory
 from .errors import DeviceError, DeviceMemoryError, InputError
-from .linker import provide_linker
-from .parameters import Parameter
-from .sources import kernel_source, with_true_places
-from .timeline import Timeline
+from .opencl.device_info import DeviceInfo, find_device, listing, require_memory
+from .opencl.linker import provide_linker
+from .opencl.parameters import Parameter
+from .opencl.sources import kernel_source, with_true_places
+from .opencl.timeline import Timeline
 
 DEVICE_VARIABLE: Final = "TERRAIN_LOD_DEVICE"
 PYOPENCL_VARIABLE: Final = "PYOPENCL_CTX"

@@ -136,14 +136,14 @@ class Mesh:
         return np.repeat(np.arange(self.patches.count, dtype=np.int32), counts)
 
     def save(self, path: str | Path) -> Path:
-        """Write the mesh; the ending chooses the format. See :func:`terrain_lod.export.save`."""
-        from .export import save
+        """Write the mesh; the ending chooses the format: :func:`terrain_lod.files.export.save`."""
+        from .files.export import save
 
         return save(self, path)
 
     def to_pyvista(self, ground: Heightmap | None = None) -> pyvista.PolyData:
-        """Return a pyvista.PolyData. See :func:`terrain_lod.export.to_pyvista`."""
-        from .export import to_pyvista
+        """Return a pyvista.PolyData. See :func:`terrain_lod.files.export.to_pyvista`."""
+        from .files.export import to_pyvista
 
         return to_pyvista(self, ground)
 

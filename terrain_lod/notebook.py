@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from PIL import Image
 
-from .colours import hypsometric, lit, sun_direction, to_bytes
+from .drawing.colours import hypsometric, lit, sun_direction, to_bytes
 
 if TYPE_CHECKING:
     from .heightmap import Heightmap

@@ -9,10 +9,10 @@ import numpy.typing as npt
 
 from . import layout
 from .device import Device, DeviceArray, Kernel
+from .measure.soundness import require_sound
 from .mesh import Mesh
 from .queries import Array, Hits, checked_points, checked_rays
 from .scan import exclusive_scan
-from .soundness import require_sound
 
 _GROUP: Final = 64
 _TRIANGLES_A_BIN: Final = 2.0

@@ -31,12 +31,12 @@ from .hull import displace_corners, hull_on_device, patches_on_device
 from .ladder import ladder_on_device, measure_tiles
 from .lod import Lod, PromiseLod, Scene, ScreenErrorLod, Weighted
 from .mesh import Achieved, Mesh, Patches
+from .opencl.timeline import Timeline
 from .pattern import DevicePattern
 from .promise import Promise
 from .queries import Hits, checked_points, checked_rays
 from .queries_ground import heights_on_device, rays_on_device
 from .tessellator import tessellate_device
-from .timeline import Timeline
 from .weights import weights_on_device
 
 

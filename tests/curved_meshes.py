@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from terrain_lod.files.mesh_loading import vertex_normals
 from terrain_lod.mesh import Mesh
-from terrain_lod.mesh_loading import vertex_normals
 
 
 def with_normals(vertices, triangles) -> Mesh:

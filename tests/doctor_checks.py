@@ -6,8 +6,8 @@ import ctypes
 import math
 import os
 
-from terrain_lod.checkup import Check
 from terrain_lod.device import Device
+from terrain_lod.doctor.checkup import Check
 
 
 def _sound(device: Device) -> Check:

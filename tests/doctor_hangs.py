@@ -6,8 +6,8 @@ import time
 
 from doctor_checks import CHECKS as OTHERS
 
-from terrain_lod.checkup import Check
 from terrain_lod.device import Device
+from terrain_lod.doctor.checkup import Check
 
 
 def _hangs(device: Device) -> Check:

@@ -11,18 +11,18 @@ import numpy as np
 import pytest
 from curved_meshes import CLOSED, cube, torus
 
-from terrain_lod.adjacency import Adjacency
-from terrain_lod.amplify import WAYS, Scene, amplify, emitters_per_triangle, triangles_of
 from terrain_lod.camera import Camera
-from terrain_lod.checks_amplify import check_amplify
-from terrain_lod.cracks import crack_report
+from terrain_lod.curved.adjacency import Adjacency
+from terrain_lod.curved.amplify import WAYS, Scene, amplify, emitters_per_triangle, triangles_of
+from terrain_lod.curved.smooth import pn_triangles
 from terrain_lod.device import Device
+from terrain_lod.doctor.checks_amplify import check_amplify
+from terrain_lod.drawing.graphics import graphics_problem
+from terrain_lod.drawing.render import render
 from terrain_lod.errors import InputError
-from terrain_lod.graphics import graphics_problem
+from terrain_lod.measure.cracks import crack_report
 from terrain_lod.mesh import Mesh
 from terrain_lod.reference import amplify as reference
-from terrain_lod.render import render
-from terrain_lod.smooth import pn_triangles
 
 BENCHMARKS = Path(__file__).parent.parent / "benchmarks"
 LEVELS = (1, 3, 5, 9, 15)

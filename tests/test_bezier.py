@@ -8,12 +8,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from terrain_lod.bezier import bezier
-from terrain_lod.bpt import load_bpt, save_bpt
-from terrain_lod.cracks import crack_report
+from terrain_lod.curved.bezier import bezier
 from terrain_lod.device import Device
 from terrain_lod.errors import FileError, InputError
+from terrain_lod.files.bpt import load_bpt, save_bpt
 from terrain_lod.layout import FIXED_ONE, PARTITIONINGS
+from terrain_lod.measure.cracks import crack_report
 from terrain_lod.reference import bezier as reference
 from terrain_lod.tessellator import tessellate
 

@@ -17,8 +17,8 @@ from PIL import Image
 from terrain_lod import cli
 from terrain_lod.cli import INTERRUPTED, REFUSED, run
 from terrain_lod.device import Device
-from terrain_lod.export import FORMATS
-from terrain_lod.graphics import INSTALL_COMMAND, graphics_problem
+from terrain_lod.drawing.graphics import INSTALL_COMMAND, graphics_problem
+from terrain_lod.files.export import FORMATS
 
 needs_graphics = pytest.mark.skipif(
     graphics_problem() is not None, reason=f"no 3-D pictures tested: {graphics_problem()}"
@@ -360,7 +360,9 @@ def test_bad_camera_file(ground, capsys, content):
 
 
 def test_no_graphics_is_refused_before_the_work(ground, capsys, monkeypatch):
-    monkeypatch.setattr("terrain_lod.graphics.graphics_problem", lambda: f"run {INSTALL_COMMAND}")
+    monkeypatch.setattr(
+        "terrain_lod.drawing.graphics.graphics_problem", lambda: f"run {INSTALL_COMMAND}"
+    )
     assert INSTALL_COMMAND in refused(capsys, "render", ground, "-o", "view.png")
 
 

@@ -11,8 +11,8 @@ from curved_meshes import chamfered_cube, cone, torus
 from pyvista import examples
 
 from terrain_lod.cli import REFUSED, run
-from terrain_lod.cracks import crack_report
-from terrain_lod.mesh_loading import load_mesh
+from terrain_lod.files.mesh_loading import load_mesh
+from terrain_lod.measure.cracks import crack_report
 
 
 @pytest.fixture

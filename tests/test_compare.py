@@ -13,11 +13,11 @@ from grounds import holed, rough
 
 import terrain_lod as tl
 from terrain_lod.cli import run
-from terrain_lod.compare import compare_all
-from terrain_lod.compare_peers import PEERS, Peer, uniform_grid
-from terrain_lod.compare_sweep import Contender, contenders, installed, tolerances
-from terrain_lod.compare_trials import Course, Result
-from terrain_lod.compare_verdict import findings
+from terrain_lod.report.compare import compare_all
+from terrain_lod.report.compare_peers import PEERS, Peer, uniform_grid
+from terrain_lod.report.compare_sweep import Contender, contenders, installed, tolerances
+from terrain_lod.report.compare_trials import Course, Result
+from terrain_lod.report.compare_verdict import findings
 
 GROUND = rough(60, 50, spacing=(30.0, 20.0), origin=(500_000, 4_000_000))
 MIDDLE = {"m": 20.0, "samples": 4.0, "share": 0.3}
@@ -141,8 +141,8 @@ def test_a_better_peer_is_not_hidden(promised: Result) -> None:
 def test_report_is_the_same_every_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # fewer settings: each is as good as another here
     sweep = [each for each in contenders(GROUND, 15) if each.parameter in (1.0, 2.0, 15.0)]
-    monkeypatch.setattr("terrain_lod.compare.contenders", lambda ground, tile: sweep)
-    monkeypatch.setattr("terrain_lod.compare.graphics_problem", lambda: "no pictures here")
+    monkeypatch.setattr("terrain_lod.report.compare.contenders", lambda ground, tile: sweep)
+    monkeypatch.setattr("terrain_lod.report.compare.graphics_problem", lambda: "no pictures here")
     steps: list[tuple[int, int]] = []
     first, second = (
         compare_all(
@@ -194,7 +194,7 @@ def test_command_compares(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     sweep = [each for each in contenders(GROUND, 15) if each.parameter == 1.0]
-    monkeypatch.setattr("terrain_lod.compare.contenders", lambda ground, tile: sweep)
+    monkeypatch.setattr("terrain_lod.report.compare.contenders", lambda ground, tile: sweep)
     np.save(tmp_path / "hills.npy", GROUND.heights)
     out = tmp_path / "out"
     tokens = ["report", str(tmp_path / "hills.npy"), "--compare", "--views", "1", "-o", str(out)]

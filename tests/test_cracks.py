@@ -12,9 +12,9 @@ from drawn_meshes import grid_mesh, joined, mesh_of, unwelded
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from terrain_lod.cracks import crack_report
 from terrain_lod.errors import InputError
 from terrain_lod.heightmap import Heightmap
+from terrain_lod.measure.cracks import crack_report
 from terrain_lod.mesh import Mesh
 
 ROUGH = Heightmap(np.random.default_rng(1).normal(0, 10, (7, 9)), spacing=(2.0, 3.0))

@@ -12,10 +12,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from terrain_lod import layout, sources
+from terrain_lod import layout
 from terrain_lod.device import Device, devices
-from terrain_lod.device_info import DeviceInfo, find_device
 from terrain_lod.errors import DeviceError, DeviceMemoryError, InputError
+from terrain_lod.opencl import sources
+from terrain_lod.opencl.device_info import DeviceInfo, find_device
 
 GPU = DeviceInfo("GeForce 1650", "NVIDIA CUDA", True, 4 << 30, 1 << 30)
 CPU = DeviceInfo("pthread-Ryzen", "Portable Computing Language", False, 8 << 30, 2 << 30)

@@ -7,11 +7,11 @@ import pytest
 from curved_meshes import CLOSED, bulging, cube, torus
 
 import terrain_lod as tl
-from terrain_lod import checks_pn
-from terrain_lod.cracks import crack_report
-from terrain_lod.decals import Decal, dent, shoot
-from terrain_lod.displaced import displace, variation_factors
+from terrain_lod.curved.decals import Decal, dent, shoot
+from terrain_lod.curved.displaced import displace, variation_factors
+from terrain_lod.doctor import checks_pn
 from terrain_lod.factors import counts
+from terrain_lod.measure.cracks import crack_report
 
 ROUGH = np.random.default_rng(0).uniform(0, 1, (64, 64)).astype(np.float32)
 y, x = np.mgrid[0:64, 0:64] / 31.5 - 1

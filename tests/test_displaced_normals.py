@@ -8,26 +8,26 @@ import numpy as np
 import pytest
 from curved_meshes import CLOSED, cube, torus
 
-from terrain_lod.adjacency import Adjacency
 from terrain_lod.camera import Camera
-from terrain_lod.checks_displaced import check_decal_reach, check_displaced_normals
-from terrain_lod.cracks import crack_report
-from terrain_lod.decals import Decal, dent, dent_on_device, shoot
-from terrain_lod.device import Device
-from terrain_lod.displaced import displace, variation_factors
-from terrain_lod.displaced_normals import corner_kinds
-from terrain_lod.errors import InputError
-from terrain_lod.layout import DECAL
-from terrain_lod.mesh import Mesh
-from terrain_lod.open_edges import weld
-from terrain_lod.patch_factors import (
+from terrain_lod.curved.adjacency import Adjacency
+from terrain_lod.curved.decals import Decal, dent, dent_on_device, shoot
+from terrain_lod.curved.displaced import displace, variation_factors
+from terrain_lod.curved.displaced_normals import corner_kinds
+from terrain_lod.curved.patch_factors import (
     CurvatureFactor,
     DistanceFactor,
     LengthFactor,
     SilhouetteFactor,
 )
+from terrain_lod.curved.smooth import pn_triangles
+from terrain_lod.device import Device
+from terrain_lod.doctor.checks_displaced import check_decal_reach, check_displaced_normals
+from terrain_lod.errors import InputError
+from terrain_lod.layout import DECAL
+from terrain_lod.measure.cracks import crack_report
+from terrain_lod.measure.open_edges import weld
+from terrain_lod.mesh import Mesh
 from terrain_lod.reference import displaced as reference
-from terrain_lod.smooth import pn_triangles
 
 WAVES = np.sin(np.arange(32) / 32 * 4 * np.pi)[:, None] * np.cos(np.arange(32) / 32 * 4 * np.pi)
 y, x = np.mgrid[0:64, 0:64] / 31.5 - 1
@@ -140,7 +140,7 @@ def test_factors_from_a_map_do_not_depend_on_how_many_are_asked_together(monkeyp
     mesh = torus(16, 8)
     textures = mesh.vertices[:, :2] * 0.2
     expected = variation_factors(mesh, WAVES, textures, scale=0.2, tolerance=0.01)
-    monkeypatch.setattr("terrain_lod.displaced._SAMPLED_TOGETHER", 7)
+    monkeypatch.setattr("terrain_lod.curved.displaced._SAMPLED_TOGETHER", 7)
     found = variation_factors(mesh, WAVES, textures, scale=0.2, tolerance=0.01)
     np.testing.assert_array_equal(found, expected)
     assert found.max() > 2

@@ -8,10 +8,10 @@ import sys
 import pytest
 
 from terrain_lod import doctor
-from terrain_lod.checks import CHECKS
 from terrain_lod.device import devices
 from terrain_lod.doctor import Finding, examine, run_doctor
-from terrain_lod.sources import KERNELS
+from terrain_lod.doctor.checks import CHECKS
+from terrain_lod.opencl.sources import KERNELS
 
 BAD = "doctor_checks"
 

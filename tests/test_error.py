@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 from scipy.spatial import Delaunay
 
 from terrain_lod.device import Device
-from terrain_lod.error import vertical_error
 from terrain_lod.errors import InputError
 from terrain_lod.heightmap import Heightmap
+from terrain_lod.measure.error import vertical_error
 from terrain_lod.reference.error import error_field
 
 

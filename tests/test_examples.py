@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from terrain_lod.graphics import graphics_problem
+from terrain_lod.drawing.graphics import graphics_problem
 
 EXAMPLES = sorted((Path(__file__).parent.parent / "examples").glob("*.py"))
 

@@ -15,11 +15,11 @@ import pytest
 from drawn_meshes import grid_mesh, mesh_of
 
 from terrain_lod.errors import FileError, InputError
-from terrain_lod.export import FORMATS, save, to_pyvista
-from terrain_lod.glb import write_glb
+from terrain_lod.files.export import FORMATS, save, to_pyvista
+from terrain_lod.files.glb import write_glb
+from terrain_lod.files.mesh_loading import load_mesh, vertex_normals
 from terrain_lod.heightmap import Heightmap
 from terrain_lod.mesh import Mesh, Patches
-from terrain_lod.mesh_loading import load_mesh, vertex_normals
 
 
 @pytest.fixture(scope="module")
@@ -110,7 +110,7 @@ sys.path.insert(0, {tests!r})
 import numpy as np
 from drawn_meshes import grid_mesh
 from terrain_lod.errors import FileError
-from terrain_lod.export import save
+from terrain_lod.files.export import save
 from terrain_lod.heightmap import Heightmap
 mesh = grid_mesh(Heightmap(np.zeros((60, 60))))
 save(mesh, {warm_up!r})
@@ -275,6 +275,6 @@ def test_pyvista_takes_an_empty_mesh():
 
 
 def test_glb_of_no_size_that_the_format_can_say(mesh, tmp_path, monkeypatch):
-    monkeypatch.setattr("terrain_lod.glb._LARGEST", 1000)
+    monkeypatch.setattr("terrain_lod.files.glb._LARGEST", 1000)
     with pytest.raises(InputError, match=r"at most 4 GiB for a \.glb, got \d+ bytes"):
         write_glb(mesh, tmp_path / "ground.glb")

@@ -14,14 +14,14 @@ from grounds import holed, plane, rough
 from PIL import Image
 
 from terrain_lod import Camera, CoplanarityLod, InputError, Terrain, UniformLod, default_camera
-from terrain_lod.camera_path import flyover, load_path, orbit
 from terrain_lod.cli import REFUSED, run
-from terrain_lod.drape import Drape
+from terrain_lod.drawing.graphics import graphics_problem
+from terrain_lod.drawing.render import render
 from terrain_lod.errors import FileError
-from terrain_lod.flyover import Look, render_path
-from terrain_lod.graphics import graphics_problem
-from terrain_lod.render import render
-from terrain_lod.viewer_camera import height_at
+from terrain_lod.viewer.camera_path import flyover, load_path, orbit
+from terrain_lod.viewer.drape import Drape
+from terrain_lod.viewer.flyover import Look, render_path
+from terrain_lod.viewer.viewer_camera import height_at
 
 needs_graphics = pytest.mark.skipif(
     graphics_problem() is not None, reason=f"no 3-D pictures tested: {graphics_problem()}"

@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from terrain_lod import layout, sources
+from terrain_lod import layout
 from terrain_lod.device import Device
+from terrain_lod.opencl import sources
 
 
 @pytest.mark.parametrize("struct", layout.STRUCTS)

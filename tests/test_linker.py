@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from terrain_lod import elf_linker
 from terrain_lod.device import POCL, devices
+from terrain_lod.opencl import elf_linker
 
 # constants in tables, calls of memset and memcpy, doubles, a barrier
 KERNEL = """

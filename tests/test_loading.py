@@ -15,10 +15,10 @@ from rasterio.control import GroundControlPoint
 from rasterio.enums import ColorInterp
 from rasterio.transform import Affine
 
-from terrain_lod import loading, readers_geo
-from terrain_lod.degrees import metres_per_degree
 from terrain_lod.errors import FileError, InputError, MissingExtraError, TerrainError
-from terrain_lod.loading import load
+from terrain_lod.files import loading, readers_geo
+from terrain_lod.files.degrees import metres_per_degree
+from terrain_lod.files.loading import load
 
 # 3 rows, 4 columns
 GRID = np.array([[120, 130, 140, 150], [220, 230, 240, 250], [320, 330, 340, 350]])

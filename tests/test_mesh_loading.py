@@ -15,10 +15,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from terrain_lod.errors import FileError, InputError
-from terrain_lod.export import FORMATS, save
+from terrain_lod.files.export import FORMATS, save
+from terrain_lod.files.mesh_loading import load_mesh, vertex_normals
+from terrain_lod.files.ply import require_whole_ply
 from terrain_lod.heightmap import Heightmap
-from terrain_lod.mesh_loading import load_mesh, vertex_normals
-from terrain_lod.ply import require_whole_ply
 
 SQUARE = """v 0 0 0
 v 2 0 0
@@ -119,7 +119,7 @@ TRUNCATED = """
 import sys
 from pathlib import Path
 from terrain_lod.errors import TerrainError
-from terrain_lod.mesh_loading import load_mesh
+from terrain_lod.files.mesh_loading import load_mesh
 path = Path(sys.argv[1])
 content = path.read_bytes()
 for length in (0, 3, 100, len(content) // 2, len(content) * 3 // 4):

@@ -15,7 +15,7 @@ from grounds import holed, rough
 from PIL import Image
 
 from terrain_lod import Camera, Heightmap, MaxErrorLod, Mesh, Terrain, UniformLod, vertical_error
-from terrain_lod.graphics import graphics_problem
+from terrain_lod.drawing.graphics import graphics_problem
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 

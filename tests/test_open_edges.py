@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from terrain_lod.open_edges import topology, weld
+from terrain_lod.measure.open_edges import topology, weld
 
 
 @given(st.lists(st.tuples(*3 * [st.sampled_from([0.0, -0.0, 1.0, 1e-45, -1.0, 3e38])]), min_size=1))

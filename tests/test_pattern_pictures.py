@@ -10,12 +10,16 @@ import pytest
 from PIL import Image
 
 from terrain_lod.cli import run
+from terrain_lod.curved.semi_uniform import semi_uniform
+from terrain_lod.drawing.pattern_pictures import save_animation, save_pattern
+from terrain_lod.drawing.pattern_rings import (
+    edges_of_triangles,
+    rings_of_points,
+    strips_of_triangles,
+)
 from terrain_lod.errors import FileError, InputError
 from terrain_lod.factors import DOMAINS
 from terrain_lod.layout import FIXED_ONE, PARTITIONINGS
-from terrain_lod.pattern_pictures import save_animation, save_pattern
-from terrain_lod.pattern_rings import edges_of_triangles, rings_of_points, strips_of_triangles
-from terrain_lod.semi_uniform import semi_uniform
 from terrain_lod.tessellator import tessellate
 
 EDGES, INSIDES = [[3, 5, 7.5, 9]], [[4.2, 6]]

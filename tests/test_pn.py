@@ -7,11 +7,11 @@ import pytest
 from curved_meshes import CLOSED, torus
 
 import terrain_lod as tl
-from terrain_lod import checks_pn
-from terrain_lod.adjacency import Adjacency
-from terrain_lod.pn import DevicePatchMesh, evaluate_on_device, nets_on_device
+from terrain_lod.curved.adjacency import Adjacency
+from terrain_lod.curved.pn import DevicePatchMesh, evaluate_on_device, nets_on_device
+from terrain_lod.curved.smooth import pn_triangles
+from terrain_lod.doctor import checks_pn
 from terrain_lod.reference import pn
-from terrain_lod.smooth import pn_triangles
 from terrain_lod.tessellator import tessellate_device
 
 

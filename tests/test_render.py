@@ -13,13 +13,13 @@ import pytest
 from PIL import Image
 
 from terrain_lod.camera import Camera
-from terrain_lod.colours import LOD_STOPS, lod_colours, sun_direction
+from terrain_lod.drawing.colours import LOD_STOPS, lod_colours, sun_direction
+from terrain_lod.drawing.graphics import INSTALL_COMMAND, graphics_problem, require_graphics
+from terrain_lod.drawing.render import render
+from terrain_lod.drawing.viewpoint import default_camera
 from terrain_lod.errors import FileError, GraphicsError, InputError
-from terrain_lod.graphics import INSTALL_COMMAND, graphics_problem, require_graphics
 from terrain_lod.heightmap import Heightmap
 from terrain_lod.mesh import Mesh, Patches
-from terrain_lod.render import render
-from terrain_lod.viewpoint import default_camera
 
 needs_graphics = pytest.mark.skipif(
     graphics_problem() is not None, reason=f"no 3-D pictures tested: {graphics_problem()}"
@@ -288,7 +288,7 @@ def test_default_camera_stands_above_the_ground_and_sees_it():
 
 BROKEN_DRIVER = {"__EGL_VENDOR_LIBRARY_FILENAMES": "/nonexistent", "DISPLAY": ""}
 ASK = """
-from terrain_lod.graphics import require_graphics
+from terrain_lod.drawing.graphics import require_graphics
 from terrain_lod.errors import GraphicsError
 try:
     require_graphics()
@@ -315,7 +315,7 @@ def test_missing_driver_is_a_message_not_a_crash():
 
 def test_no_graphics_is_a_terrain_error(monkeypatch):
     monkeypatch.setattr(
-        "terrain_lod.graphics.graphics_problem", lambda: "expected OpenGL, got none"
+        "terrain_lod.drawing.graphics.graphics_problem", lambda: "expected OpenGL, got none"
     )
     with pytest.raises(GraphicsError, match="expected OpenGL"):
         require_graphics()

@@ -16,20 +16,20 @@ from PIL import Image
 
 from terrain_lod.camera import Camera
 from terrain_lod.device import Device
+from terrain_lod.drawing.graphics import graphics_problem
+from terrain_lod.drawing.viewpoint import default_camera
 from terrain_lod.errors import FileError, InputError
-from terrain_lod.graphics import graphics_problem
 from terrain_lod.grid import TileGrid
 from terrain_lod.heightmap import Heightmap
 from terrain_lod.lod import CoplanarityLod, DistanceLod, UniformLod
 from terrain_lod.mesh import Mesh
 from terrain_lod.report import report
-from terrain_lod.report_compare import EQUAL_SHARE, compare, device_bytes, with_triangles
-from terrain_lod.report_maps import _footprint, _Sheet
-from terrain_lod.report_pictures import differing
-from terrain_lod.report_tables import rasterised_share
-from terrain_lod.report_verdict import verdict
+from terrain_lod.report.maps import _footprint, _Sheet
+from terrain_lod.report.pictures import differing
+from terrain_lod.report.report_compare import EQUAL_SHARE, compare, device_bytes, with_triangles
+from terrain_lod.report.tables import rasterised_share
+from terrain_lod.report.verdict import verdict
 from terrain_lod.terrain import Terrain
-from terrain_lod.viewpoint import default_camera
 
 TEXTS = {"html", "json", "csv", "maps"}
 

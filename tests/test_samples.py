@@ -11,8 +11,8 @@ from terrain_lod.heightmaps import erosion, make, noise
 from terrain_lod.heightmaps.volcano import SUMMIT
 
 from terrain_lod.errors import InputError
+from terrain_lod.files.samples import sample, sample_names
 from terrain_lod.heightmap import Heightmap
-from terrain_lod.samples import sample, sample_names
 
 BUNDLED = ("ridge", "canyon", "dunes", "volcano", "islands", "city")
 FOLDER = files("terrain_lod.heightmaps")

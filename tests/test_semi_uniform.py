@@ -7,14 +7,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from terrain_lod.cracks import crack_report
+from terrain_lod.curved.queues import queues_of
+from terrain_lod.curved.semi_uniform import lattice, semi_uniform
 from terrain_lod.device import Device
 from terrain_lod.errors import DeviceMemoryError, InputError
 from terrain_lod.layout import FIXED_ONE
+from terrain_lod.measure.cracks import crack_report
 from terrain_lod.mesh import Mesh
-from terrain_lod.queues import queues_of
 from terrain_lod.reference import semi_uniform as reference
-from terrain_lod.semi_uniform import lattice, semi_uniform
 
 M = 5
 ALL = np.array(list(product(range(M + 1), repeat=3)))

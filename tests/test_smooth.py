@@ -9,10 +9,8 @@ import pytest
 from curved_meshes import CLOSED, bulging, chamfered_cube, cone, cube, torus, welded
 
 import terrain_lod as tl
-from terrain_lod.cracks import crack_report
-from terrain_lod.creases import split_at_creases
-from terrain_lod.graphics import graphics_problem
-from terrain_lod.patch_factors import (
+from terrain_lod.curved.creases import split_at_creases
+from terrain_lod.curved.patch_factors import (
     CurvatureFactor,
     DistanceFactor,
     LengthFactor,
@@ -20,8 +18,10 @@ from terrain_lod.patch_factors import (
     SilhouetteFactor,
     UniformFactor,
 )
-from terrain_lod.render import render
-from terrain_lod.smooth import pn_triangles
+from terrain_lod.curved.smooth import pn_triangles
+from terrain_lod.drawing.graphics import graphics_problem
+from terrain_lod.drawing.render import render
+from terrain_lod.measure.cracks import crack_report
 
 needs_graphics = pytest.mark.skipif(
     graphics_problem() is not None, reason=f"no 3-D pictures tested: {graphics_problem()}"

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from terrain_lod import sources
 from terrain_lod.errors import DeviceError
-from terrain_lod.sources import kernel_source, with_true_places
+from terrain_lod.opencl import sources
+from terrain_lod.opencl.sources import kernel_source, with_true_places
 
 
 @pytest.fixture

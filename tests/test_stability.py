@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import terrain_lod as tl
-from terrain_lod.stability import verdict, write_stability
-from terrain_lod.stability_cases import cameras, grounds, rough_ground
-from terrain_lod.stability_checks import BOUNDS, OnGround, camera_findings, finding
+from terrain_lod.report.stability import verdict, write_stability
+from terrain_lod.report.stability_cases import cameras, grounds, rough_ground
+from terrain_lod.report.stability_checks import BOUNDS, OnGround, camera_findings, finding
 
 pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning:terrain_lod.reference")
 
@@ -52,7 +52,7 @@ def test_a_difference_is_found() -> None:
 
 def test_report(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     few = {name: grounds()[name] for name in ("one spike", "2 × 2 samples")}
-    monkeypatch.setattr("terrain_lod.stability.grounds", lambda: few)
+    monkeypatch.setattr("terrain_lod.report.stability.grounds", lambda: few)
     steps: list[tuple[int, int]] = []
     made = write_stability(tmp_path, progress=lambda done, total: steps.append((done, total)))
     assert steps[-1] == (len(few) + len(cameras(rough_ground())),) * 2

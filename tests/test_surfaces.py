@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from terrain_lod.cracks import crack_report
-from terrain_lod.curves import CURVES, curve
+from terrain_lod.curved.curves import CURVES, curve
+from terrain_lod.curved.surfaces import SURFACES, surface
 from terrain_lod.device import Device
 from terrain_lod.errors import InputError
 from terrain_lod.layout import FIXED_ONE, PARTITIONINGS
+from terrain_lod.measure.cracks import crack_report
+from terrain_lod.opencl.sources import KERNELS
 from terrain_lod.reference import surfaces as reference
-from terrain_lod.sources import KERNELS
-from terrain_lod.surfaces import SURFACES, surface
 from terrain_lod.tessellator import tessellate
 
 every_surface = pytest.mark.parametrize("name", SURFACES)

@@ -16,10 +16,10 @@ from hypothesis import strategies as st
 from terrain_lod import Camera, Heightmap, UniformLod, default_camera
 from terrain_lod.errors import FileError, GraphicsError, InputError
 from terrain_lod.viewer import require_display
-from terrain_lod.viewer_camera import Rig, ground_seen, height_at
-from terrain_lod.viewer_engine import Engine
-from terrain_lod.viewer_model import Model, Request, frustum
-from terrain_lod.viewer_settings import CHOICES, LODS, MODES, Settings, sliders
+from terrain_lod.viewer.engine import Engine
+from terrain_lod.viewer.model import Model, Request, frustum
+from terrain_lod.viewer.settings import CHOICES, LODS, MODES, Settings, sliders
+from terrain_lod.viewer.viewer_camera import Rig, ground_seen, height_at
 
 SETTINGS = Settings(diagonal=1000.0)
 ORIGIN = (500_000.0, 4_000_000.0)

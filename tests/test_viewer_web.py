@@ -14,7 +14,7 @@ import pytest
 from PIL import Image
 
 from terrain_lod.cli import REFUSED, run
-from terrain_lod.graphics import graphics_problem
+from terrain_lod.drawing.graphics import graphics_problem
 
 CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
 DRIVER = shutil.which("chromedriver")

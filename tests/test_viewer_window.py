@@ -17,14 +17,14 @@ from PIL import Image
 
 from terrain_lod import default_camera
 from terrain_lod.cli import REFUSED, run
+from terrain_lod.drawing.graphics import graphics_problem
 from terrain_lod.errors import FileError, InputError, MissingExtraError
-from terrain_lod.graphics import graphics_problem
 from terrain_lod.viewer import look
-from terrain_lod.viewer_controls import Controls
-from terrain_lod.viewer_model import Model
-from terrain_lod.viewer_movie import Movie
-from terrain_lod.viewer_settings import LODS, MODES
-from terrain_lod.viewer_window import Window
+from terrain_lod.viewer.controls import Controls
+from terrain_lod.viewer.model import Model
+from terrain_lod.viewer.movie import Movie
+from terrain_lod.viewer.settings import LODS, MODES
+from terrain_lod.viewer.window import Window
 
 pytestmark = pytest.mark.skipif(
     graphics_problem() is not None, reason=f"no viewer window tested: {graphics_problem()}"

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from terrain_lod.bpt import save_bpt
+from terrain_lod.files.bpt import save_bpt
 
 # radius and height; each row a cubic that begins where the one before ends
 PROFILE = [

@@ -64,7 +64,7 @@ def sub_triangles(
     Parameters
     ----------
     patches : (T, 12) int32
-        See :class:`terrain_lod.adjacency.Adjacency`.
+        See :class:`terrain_lod.curved.adjacency.Adjacency`.
     positions, normals : (V, 3)
     level : int
         Odd.

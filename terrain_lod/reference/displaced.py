@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..open_edges import weld
+from ..measure.open_edges import weld
 
 Array = npt.NDArray[np.float64]
 

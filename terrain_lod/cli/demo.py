@@ -1,0 +1,114 @@
+"""The main job on one ground: a mesh, a picture, a report, and a list of what was made."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from ..device import Device
+from ..drawing.graphics import graphics_problem
+from ..drawing.render import render
+from ..drawing.viewpoint import default_camera
+from ..files import require_made
+from ..heightmap import Heightmap
+from ..layout import DEFAULT_TILE
+from ..lod import CoplanarityLod
+from ..measure.cracks import crack_report
+from ..measure.error import vertical_error
+from ..report import report
+from ..terrain import Terrain
+
+_CONTENTS: Final = {
+    "html": "the report, to read or to mail",
+    "json": "its numbers",
+    "csv": "its numbers as a table",
+    "maps": "ground, detail and error from above",
+    "lod_distance": "detail, distance LOD",
+    "lod_coplanarity": "detail, coplanarity LOD",
+    "wireframe_distance": "triangles, distance LOD",
+    "wireframe_coplanarity": "triangles, coplanarity LOD",
+    "shaded_distance": "picture, distance LOD",
+    "shaded_coplanarity": "picture, coplanarity LOD",
+    "difference": "difference of the two pictures",
+}
+
+
+@dataclass(frozen=True)
+class Demo:
+    """What was made.
+
+    Attributes
+    ----------
+    rows : tuple of (str, str, str)
+        File name, what it holds, its size.
+    verdict : tuple of str
+        Of the report, in sentences.
+    no_pictures : str or None
+        Why there are no 3-D pictures.
+    """
+
+    rows: tuple[tuple[str, str, str], ...]
+    verdict: tuple[str, ...]
+    no_pictures: str | None
+
+
+def make_demo(
+    ground: Heightmap,
+    directory: str | Path,
+    *,
+    tile: int = DEFAULT_TILE,
+    plane: str = "least_squares",
+    device: Device | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Demo:
+    """Write a GLB mesh, a picture and a report of `ground`.
+
+    Parameters
+    ----------
+    ground : Heightmap
+    directory : str or Path
+        Made if it is not there.
+    tile : int, optional
+    plane : {"least_squares", "corners"}, optional
+    device : Device, optional
+    progress : callable, optional
+        Called with steps done and steps in all.
+
+    Returns
+    -------
+    Demo
+
+    Raises
+    ------
+    InputError
+        If an option is not one of these.
+    FileError
+        If the directory or a file cannot be written.
+    """
+    device = device or Device.open()
+    camera = default_camera(ground)
+    terrain = Terrain(ground, tile=tile, plane=plane, device=device)
+    mesh = terrain.mesh(camera, lod=CoplanarityLod(), cull=False)
+    folder = require_made(Path(directory))
+    path = mesh.save(folder / f"{ground.name}.glb")
+    sound = "cracks in it" if crack_report(mesh) else "watertight"
+    error = vertical_error(mesh, ground, device=device)
+    rows = [_row(path, f"mesh: {len(mesh.triangles):,} triangles, {sound}, RMS {error.rms:.3g} m")]
+    problem = graphics_problem()
+    if problem is None:
+        path = folder / f"{ground.name}.png"
+        render(mesh, camera, path, height_range=ground.height_range)
+        rows.append(_row(path, "picture of it"))
+    made = report(
+        ground, folder, camera=camera, tile=tile, plane=plane, device=device, progress=progress
+    )
+    rows += [_row(made.files[kind], what) for kind, what in _CONTENTS.items() if kind in made.files]
+    return Demo(tuple(rows), made.verdict, problem)
+
+
+def _row(path: Path, what: str) -> tuple[str, str, str]:
+    count = path.stat().st_size
+    size = f"{count / 1e6:.1f} MB" if count >= 1e5 else f"{count / 1e3:.1f} kB"
+    return str(path), what, size

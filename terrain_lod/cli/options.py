@@ -1,0 +1,249 @@
+"""The options that commands share, and what they become: a ground, a camera, a LOD, a terrain."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
+
+from cyclopts import Group, Parameter, Token
+
+from ..arguments import whole
+from ..camera import Camera, Point
+from ..drawing.viewpoint import default_camera
+from ..errors import FileError, InputError
+from ..heightmap import Heightmap
+from ..layout import MAX_TILE
+
+if TYPE_CHECKING:
+    from ..device import Device
+    from ..lod import CoplanarityLod, DistanceLod, Lod, PromiseLod
+    from ..terrain import Terrain
+
+
+def numbers(form: str, *counts: int) -> Parameter:
+    """Return how one token such as ``500000,4000000,1200`` or ``1920x1080`` is read."""
+
+    def convert(_: Any, tokens: Sequence[Token]) -> tuple[float, ...]:
+        text = tokens[0].value
+        try:
+            values = tuple(float(part) for part in text.replace("x", ",").split(","))
+        except ValueError:
+            values = ()
+        if len(values) not in counts:
+            raise ValueError(f"expected {form}, got {text!r}")
+        return values
+
+    return Parameter(converter=convert, n_tokens=1, allow_leading_hyphen=True, metavar=form)
+
+
+_Point = Annotated[Point | None, numbers("X,Y,Z", 3)]
+_Size = Annotated[tuple[int, int] | None, numbers("WIDTHxHEIGHT", 2)]
+_Spacing = Annotated[tuple[float, ...] | None, numbers("DX[,DY]", 1, 2)]
+_Range = Annotated[tuple[float, float] | None, numbers("LOW,HIGH", 2)]
+Sun = Annotated[tuple[float, float] | None, numbers("AZIMUTH,ELEVATION", 2)]
+
+Ground = Annotated[str, Parameter(metavar="GROUND")]
+"""A raster file, or the name of a bundled sample."""
+
+_GROUND: Final = Group("Ground", sort_key=1)
+_CAMERA: Final = Group("Camera", sort_key=2)
+_DETAIL: Final = Group("Level of detail", sort_key=3)
+_WORK: Final = Group("Tiles and device", sort_key=4)
+
+
+@Parameter(name="*", group=_GROUND)
+@dataclass(frozen=True)
+class GroundOptions:
+    """How to read the ground."""
+
+    spacing: _Spacing = None
+    """Distance between samples in world units, instead of what the file says."""
+    height_range: _Range = None
+    """Heights that the lowest and the highest value of an image stand for."""
+    nodata: float | None = None
+    """Value that stands for no data, instead of what the file says."""
+
+    def load(self, name: str) -> Heightmap:
+        """Return the ground called `name`: a file if there is one, else a bundled sample."""
+        from ..files.loading import load
+        from ..files.samples import sample, sample_names
+
+        overrides = {key: value for key, value in vars(self).items() if value is not None}
+        if not Path(name).exists() and name in sample_names():
+            if overrides:
+                option = "--" + next(iter(overrides)).replace("_", "-")
+                raise InputError(f"expected a file with {option}, got the sample {name!r}")
+            return sample(name)
+        if not Path(name).exists() and not Path(name).suffix:
+            samples = ", ".join(sample_names())
+            raise FileError(f"expected a raster file or a sample ({samples}), got {name!r}")
+        if "spacing" in overrides and len(overrides["spacing"]) == 1:
+            overrides["spacing"] = overrides["spacing"][0]
+        return load(name, **overrides)
+
+
+@Parameter(name="*", group=_CAMERA)
+@dataclass(frozen=True)
+class CameraOptions:
+    """Where the picture is taken from."""
+
+    camera: Annotated[Path | None, Parameter(metavar="FILE")] = None
+    """JSON with eye, target, up, fov, size; a report.json will do. The options below override."""
+    eye: _Point = None
+    """Where the camera stands, in world units. Default: south of the ground, above it."""
+    target: _Point = None
+    """What it looks at. Default: the middle of the ground."""
+    up: _Point = None
+    """Which way is up in the picture. Default: 0,0,1."""
+    fov: float | None = None
+    """Vertical field of view in degrees. Default: 45."""
+    size: _Size = None
+    """Pixels of the picture. Default: 1920x1080."""
+    height: float | None = None
+    """World height of the picture of a parallel camera, which has no field of view."""
+
+    def over(self, ground: Heightmap) -> Camera:
+        """Return the camera; what is not given comes from a good view over `ground`."""
+        return self.instead_of(default_camera(ground))
+
+    def instead_of(self, camera: Camera) -> Camera:
+        """Return the camera; what is not given comes from `camera`."""
+        if self.camera is not None:
+            camera = _camera_file(self.camera)
+        given = {name: value for name, value in vars(self).items() if value is not None}
+        given.pop("camera", None)
+        return replace(camera, **given)
+
+
+def _camera_file(path: Path) -> Camera:
+    """Return the camera that a JSON file holds, alone or under the key ``camera``."""
+    try:
+        content = json.loads(path.read_text())
+    except OSError as error:
+        raise FileError(f"cannot read {path}: {error.strerror}") from None
+    except ValueError as error:
+        raise FileError(f"expected JSON in {path}, got {error}") from None
+    content = content.get("camera", content) if isinstance(content, dict) else content
+    known = [field.name for field in fields(Camera)]
+    if not isinstance(content, dict) or not {"eye", "target"} <= content.keys() <= set(known):
+        found = ", ".join(content) if isinstance(content, dict) else type(content).__name__
+        raise InputError(f"expected a camera ({', '.join(known)}) in {path}, got {found}")
+    content = {key: value for key, value in content.items() if value is not None}
+    if "size" in content:
+        content["size"] = tuple(content["size"])
+    return Camera(**content)
+
+
+LodName = Annotated[
+    Literal["screen-error", "max-error", "budget", "coplanarity", "distance", "uniform"],
+    Parameter(group=_DETAIL),
+]
+Factor = Annotated[float | None, Parameter(group=_DETAIL)]
+EdgeRule = Annotated[Literal["min", "max", "edge"] | None, Parameter(group=_DETAIL)]
+FormulaEdgeRule = Annotated[Literal["min", "max"], Parameter(group=_DETAIL)]
+
+
+@Parameter(name="*", group=_DETAIL)
+@dataclass(frozen=True)
+class DetailOptions:
+    """What levels of detail are made with."""
+
+    pixels: float | None = None
+    """Error in the picture: to keep, of screen-error (default: 1); good enough, of budget."""
+    metres: float | None = None
+    """Vertical error: to keep, of max-error; good enough, of budget without --pixels."""
+    triangles: int | None = None
+    """The most triangles. Of budget alone."""
+    near: float | None = None
+    """Distance with the most detail. Default: 0."""
+    far: float | None = None
+    """Distance with the least detail. Default: the diagonal of the ground."""
+    minimum: float | None = None
+    """Factor at the far distance. Default: 1."""
+    maximum: float | None = None
+    """Factor at the near distance. Default: 15."""
+    falloff: float | None = None
+    """Exponent of the nearness; more keeps detail closer. Of distance alone. Default: 1."""
+    full_deviation: float | None = None
+    """Deviation from its plane at which a tile gets all that its distance allows. Of coplanarity
+    alone. Default: what 98 % of the tiles stay below."""
+    flat_weight: float | None = None
+    """Share of its distance's detail that a flat tile keeps. Of coplanarity alone."""
+
+    def make(self, name: str, tile: int, factor: float | None) -> Lod | PromiseLod:
+        """Return the level of detail called `name`, or say which option is not one of its."""
+        given = self._given() if factor is None else {"factor": factor, **self._given()}
+        for option in given:
+            takers = [lod for lod, names in _lod_options().items() if option in names]
+            if name not in takers:
+                flag = "--" + option.replace("_", "-")
+                raise InputError(f"expected --lod {' or '.join(takers)} with {flag}, got {name}")
+        if name == "uniform":
+            given.setdefault("factor", whole("tile", tile, 1, MAX_TILE))
+        for option in _REQUIRED.get(name, ()):
+            if option not in given:
+                raise InputError(f"expected --{option} with --lod {name}, got none")
+        lod: Lod | PromiseLod = _lods()[name](**given)
+        return lod
+
+    def both(self) -> tuple[DistanceLod, CoplanarityLod]:
+        """Return distance and coplanarity LOD, each with those options that it takes."""
+        distance, coplanarity = (
+            _lods()[name](**self.taken_by(name)._given()) for name in ("distance", "coplanarity")
+        )
+        return distance, coplanarity
+
+    def taken_by(self, name: str) -> DetailOptions:
+        """Return those options that the level of detail called `name` takes."""
+        options, given = _lod_options()[name], self._given()
+        return DetailOptions(**{key: given[key] for key in given if key in options})
+
+    def _given(self) -> dict[str, Any]:
+        return {name: value for name, value in vars(self).items() if value is not None}
+
+
+# options without which a level of detail means nothing
+_REQUIRED: Final = {"max-error": ("metres",), "budget": ("triangles",)}
+
+
+def _lods() -> dict[str, Any]:
+    from .. import lod
+
+    return {
+        "screen-error": lod.ScreenErrorLod,
+        "max-error": lod.MaxErrorLod,
+        "budget": lod.BudgetLod,
+        "coplanarity": lod.CoplanarityLod,
+        "distance": lod.DistanceLod,
+        "uniform": lod.UniformLod,
+    }
+
+
+def _lod_options() -> dict[str, list[str]]:
+    return {name: [field.name for field in fields(lod)] for name, lod in _lods().items()}
+
+
+@Parameter(name="*", group=_WORK)
+@dataclass(frozen=True)
+class TerrainOptions:
+    """How the ground is cut up, and what works on it."""
+
+    tile: int = 15
+    """Cells along a tile, 1 to 63."""
+    plane: Literal["least_squares", "corners"] = "least_squares"
+    """The plane that a tile's deviation is measured from: the best fit, or the book's."""
+    device: str | None = None
+    """cpu, gpu, a number or part of a name, see doctor. Default: a GPU if there is one."""
+
+    def open(self) -> Device:
+        from ..device import Device
+
+        return Device.open(self.device)
+
+    def make(self, ground: Heightmap) -> Terrain:
+        from ..terrain import Terrain
+
+        return Terrain(ground, tile=self.tile, plane=self.plane, device=self.open())

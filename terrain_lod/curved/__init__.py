@@ -1,0 +1,1 @@
+"""The general mesh: curved, displaced and parametric patches through the same tessellator."""

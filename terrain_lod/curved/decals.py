@@ -1,0 +1,268 @@
+"""Displacement decals: dents where something hit a mesh, and segments only where they reach."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from .. import layout
+from ..arguments import finite, one_of, positive
+from ..buffers import DeviceFactors
+from ..camera import Point
+from ..device import Device, DeviceArray
+from ..errors import InputError
+from ..mesh import Mesh
+from ..tessellator import tessellate_device
+from .adjacency import Adjacency
+from .displaced import checked_map, plane_patches
+from .displaced_normals import corner_kinds, renew_normals_on_device
+from .patch_factors import checked_factor
+from .pn import DevicePatchMesh, evaluate_on_device, nets_on_device
+from .smooth import require_curvable, unit_normals
+
+_GROUP: Final = 64
+_RUN: Final = 32  # points that a CPU asks together which decals are near
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Decal:
+    """A dent in the tangent plane of a hit.
+
+    Parameters
+    ----------
+    point : (float, float, float)
+        What was hit, in the world.
+    normal, tangent : (float, float, float)
+        Of the surface there, unit length: out of it, and along the map's rows.
+    radius : float
+        How far the dent reaches; the depth map spans twice of it.
+    scale, bias : float, optional
+        Points go ``bias + scale * depth`` into the surface, in world units.
+    """
+
+    point: Point
+    normal: Point
+    tangent: Point
+    radius: float
+    scale: float = 1.0
+    bias: float = 0.0
+
+    def __post_init__(self) -> None:
+        positive("radius", self.radius)
+        finite("scale", self.scale)
+        finite("bias", self.bias)
+        for name in ("normal", "tangent"):
+            if not abs(np.linalg.norm(getattr(self, name)) - 1) < 1e-3:
+                raise InputError(f"expected a {name} of length 1, got {getattr(self, name)}")
+
+    def record(self, origin: Array) -> npt.NDArray[np.void]:
+        """Return the ``layout.DECAL`` record relative to `origin`."""
+        record = np.zeros((), layout.DECAL)
+        record["point"] = np.subtract(self.point, origin)
+        for name in ("normal", "tangent", "radius", "scale", "bias"):
+            record[name] = getattr(self, name)
+        return record
+
+
+def shoot(
+    mesh: Mesh,
+    eye: Point,
+    direction: Point,
+    radius: float,
+    *,
+    scale: float = 1.0,
+    bias: float = 0.0,
+) -> Decal | None:
+    """Return the decal where a ray first hits a mesh, or None where it misses.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    eye, direction : (float, float, float)
+        Where the ray begins in the world, and where it goes.
+    radius, scale, bias : float
+        Of the decal.
+
+    Notes
+    -----
+    T. Möller, B. Trumbore: *Fast, Minimum Storage Ray/Triangle Intersection*, 1997.
+    """
+    start = np.subtract(eye, mesh.origin)
+    ray = np.asarray(direction, np.float64)
+    if not np.isfinite(start).all() or not np.linalg.norm(ray) > 0:
+        raise InputError(f"expected a ray from a finite point, got {eye} along {direction}")
+    ray = ray / np.linalg.norm(ray)
+    a, b, c = (mesh.vertices[mesh.triangles[:, k]].astype(np.float64) for k in range(3))
+    across = np.cross(np.broadcast_to(ray, a.shape), c - a)
+    determinant = np.einsum("ij,ij->i", b - a, across)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        u = np.einsum("ij,ij->i", start - a, across) / determinant
+        along = np.cross(start - a, b - a)
+        v = along @ ray / determinant
+        distance = np.einsum("ij,ij->i", c - a, along) / determinant
+        # not where the ray runs along the triangle: nothing is above or below NaN
+        hit = (u >= 0) & (v >= 0) & (u + v <= 1) & (distance > 0)
+    if not hit.any():
+        return None
+    first = int(np.argmin(np.where(hit, distance, np.inf)))
+    normal = np.cross(b[first] - a[first], c[first] - a[first])
+    normal /= np.linalg.norm(normal)
+    # along the horizon, where there is one
+    level = np.cross([0, 0, 1], normal)
+    tangent = level if np.linalg.norm(level) > 1e-6 else np.array([1.0, 0.0, 0.0])
+    tangent = tangent - normal * (tangent @ normal)
+    tangent /= np.linalg.norm(tangent)
+    point = start + distance[first] * ray + mesh.origin
+    return Decal(_point(point), _point(normal), _point(tangent), radius, scale, bias)
+
+
+def dent(
+    mesh: Mesh,
+    decals: Sequence[Decal],
+    depths: npt.ArrayLike,
+    factor: float = 15.0,
+    *,
+    elsewhere: float = 1.0,
+    curved: bool = False,
+    partitioning: str = "fractional_odd",
+    device: Device | None = None,
+) -> Mesh:
+    """Press decals into a mesh, tessellating only the patches that they reach.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    decals : sequence of Decal
+        Any number; where they overlap, their depths add up.
+    depths : (R, C) array_like
+        The map that they share; bilinear, its first row at the top.
+    factor : float, optional
+        Segments where a decal reaches an edge, or the inside of a triangle, 1 to 64.
+    elsewhere : float, optional
+        Segments of all others.
+    curved : bool, optional
+        Dent the PN-triangles instead of the plane ones.
+    partitioning : {"fractional_odd", "fractional_even", "integer", "pow2"}, optional
+    device : Device, optional
+
+    Returns
+    -------
+    Mesh
+        Closed where `mesh` is. Normals are those of the dented surface, split where the mesh's are.
+
+    Raises
+    ------
+    InputError
+        If the mesh is not sound, the map is no finite raster, or a factor is out of range.
+    DeviceMemoryError
+        If the device cannot hold the mesh.
+
+    Notes
+    -----
+    *DirectX 11 tessellation*, slides of 2010: decal tessellation, displacement adaptive.
+    """
+    require_curvable(mesh)
+    one_of("partitioning", partitioning, layout.PARTITIONINGS)
+    checked_factor("factor", factor), checked_factor("elsewhere", elsewhere)
+    raster = checked_map(depths)
+    adjacency = Adjacency.of(mesh)
+    device = device or Device.open()
+    with device.timed() as timeline:
+        unit = unit_normals(mesh.normals)
+        patches = DevicePatchMesh.upload(mesh.vertices, unit, adjacency, device)
+        nets = nets_on_device(patches if curved else plane_patches(patches, adjacency))
+        records = np.array([decal.record(mesh.origin) for decal in decals], layout.DECAL)
+        factors = reach_on_device(patches, nets, records, factor, elsewhere)
+        pattern = tessellate_device(
+            "triangle", factors.edge, factors.inside, partitioning, clockwise=True
+        )
+        vertices = evaluate_on_device(nets, pattern)
+        dent_on_device(vertices.positions, records, raster)
+        renew_normals_on_device(
+            patches, corner_kinds(mesh.vertices, unit, adjacency), factors, partitioning,
+            pattern, vertices.positions, vertices.normals,
+        )  # fmt: skip
+        return Mesh(
+            vertices.positions.host(),
+            vertices.normals.host(),
+            pattern.primitives.host(),
+            mesh.origin,
+            mesh.crs,
+            timings=timeline.seconds,
+        )
+
+
+def reach_on_device(
+    mesh: DevicePatchMesh,
+    nets: DeviceArray,
+    decals: npt.NDArray[np.void],
+    factor: float,
+    elsewhere: float,
+) -> DeviceFactors:
+    """Return `factor` for edges and insides that any ``layout.DECAL`` record reaches.
+
+    An edge, if the hit is within the radius of it. An inside, if one of its edges is reached, or if
+    the hit is above the triangle, and within the radius of its plane.
+    """
+    device, count, edges = mesh.device, mesh.count, mesh.sides.shape[0]
+    made = DeviceFactors(device.empty((count, 3), np.float32), device.empty((count, 1), np.float32))
+    reached = device.zeros(edges, np.int32)
+    # no array is empty on a device
+    hits = device.array(decals if len(decals) else np.zeros(1, layout.DECAL))
+    device.kernel("decal_reach.cl", "edges")(
+        (edges,),
+        (_GROUP,),
+        edge_count=edges,
+        decal_count=len(decals),
+        decals=hits,
+        sides=mesh.sides,
+        nets=nets,
+        reached=reached,
+    )
+    device.kernel("decal_reach.cl", "patches")(
+        (count,),
+        (_GROUP,),
+        triangles=count,
+        decal_count=len(decals),
+        factor=factor,
+        elsewhere=elsewhere,
+        decals=hits,
+        edges=mesh.edges,
+        reached=reached,
+        nets=nets,
+        edge_factors=made.edge,
+        inside_factors=made.inside,
+    )
+    return made
+
+
+def dent_on_device(
+    positions: DeviceArray, decals: npt.NDArray[np.void], depths: npt.NDArray[np.float32]
+) -> None:
+    """Move (N, 3) `positions` by all of the ``layout.DECAL`` records."""
+    if not len(decals):
+        return
+    device, count = positions.device, positions.shape[0]
+    run = 1 if device.is_gpu else _RUN
+    device.kernel("decals.cl", "decals", RUN=run)(
+        (-(-count // run),),
+        (_GROUP,),
+        points=count,
+        decal_count=len(decals),
+        decals=device.array(decals),
+        depths=device.array(depths),
+        rows=depths.shape[0],
+        columns=depths.shape[1],
+        positions=positions,
+    )
+
+
+def _point(vector: Array) -> Point:
+    x, y, z = vector.tolist()
+    return x, y, z

@@ -1,0 +1,302 @@
+"""Displaced meshes: a map of heights along the normals of any mesh, closed across its seams."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from .. import layout
+from ..arguments import finite, one_of, positive
+from ..camera import Camera
+from ..device import Device, DeviceArray
+from ..errors import InputError
+from ..measure.open_edges import weld
+from ..mesh import Mesh
+from ..pattern import DevicePattern
+from ..tessellator import tessellate_device
+from .adjacency import EDGE_ENDS, Adjacency
+from .displaced_normals import corner_kinds, renew_normals_on_device
+from .patch_factors import EdgeFactor, checked_factor
+from .pn import DevicePatchMesh, evaluate_on_device, nets_on_device, patch_factors_on_device
+from .smooth import diagonal_of, edge_factors, require_curvable, unit_normals
+
+_RUNS: Final = 1024  # work-groups on a CPU, each with a run of patches
+# segments along an edge of the lattice that a map's variation is measured on
+_SAMPLED: Final = 16
+_SAMPLED_TOGETHER: Final = 4096  # triangles
+_LARGEST_COORDINATE: Final = 1 << 20
+
+Array = npt.NDArray[np.float64]
+
+
+def displace(
+    mesh: Mesh,
+    heights: npt.ArrayLike,
+    textures: npt.ArrayLike,
+    factor: float | npt.ArrayLike | None = None,
+    *,
+    scale: float = 1.0,
+    bias: float = 0.0,
+    lod: EdgeFactor | None = None,
+    camera: Camera | None = None,
+    curved: bool = True,
+    partitioning: str = "fractional_odd",
+    device: Device | None = None,
+) -> Mesh:
+    """Tessellate a mesh and move its points along their normals by a map of heights.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    heights : (R, C) array_like
+        The map; bilinear between its samples, which stand in the middles of its cells, and repeated
+        without end.
+    textures : (V, 2) array_like
+        Texture coordinates of the mesh's vertices: u to the right, v up, (0, 0) the lower left
+        corner of the map, whose last row is the lowest.
+    factor : float or (T, 3) array_like, optional
+        Segments along the edges, as for :func:`terrain_lod.pn_triangles`;
+        :func:`variation_factors` finds those that the map needs. Defaults to 5.
+    scale, bias : float, optional
+        Points move by ``bias + scale * height``, in world units.
+    lod : EdgeFactor, optional
+        A formula for the segments instead, asked about the surface that is not yet displaced.
+    camera : Camera, optional
+        Where detail is wanted. Nothing is culled.
+    curved : bool, optional
+        Displace the PN-triangles, or the plane ones.
+    partitioning : {"fractional_odd", "fractional_even", "integer", "pow2"}, optional
+    device : Device, optional
+
+    Returns
+    -------
+    Mesh
+        Closed where `mesh` is, whatever its texture's seams and split normals: what meets there
+        takes its texture coordinates from one side and its direction from the mean of both. Normals
+        are those of the displaced surface, and split where the mesh's are.
+
+    Raises
+    ------
+    InputError
+        If the mesh is not sound, the map is no finite raster, or there is not one pair of finite
+        texture coordinates a vertex; if a factor is out of range, or a formula needs a camera.
+    DeviceMemoryError
+        If the device cannot hold the mesh.
+
+    Notes
+    -----
+    J. McDonald: *Tessellation on Any Budget*, GDC 2011, for dominant edges and corners.
+    """
+    require_curvable(mesh)
+    one_of("partitioning", partitioning, layout.PARTITIONINGS)
+    finite("scale", scale), finite("bias", bias)
+    if lod is not None and factor is not None:
+        raise InputError(f"expected a factor or a lod, got both {factor!r} and {lod}")
+    if lod is not None and lod.needs_camera and camera is None:
+        raise InputError(f"{type(lod).__name__} needs a camera, got none")
+    raster, coordinates = checked_map(heights), _checked_textures(textures, mesh)
+    adjacency = Adjacency.of(mesh)
+    device = device or Device.open()
+    view = np.zeros((), layout.VIEW) if camera is None else camera.view(mesh.origin)
+    with device.timed() as timeline:
+        normals = unit_normals(mesh.normals)
+        patches = DevicePatchMesh.upload(mesh.vertices, normals, adjacency, device)
+        nets = nets_on_device(patches if curved else plane_patches(patches, adjacency))
+        of_edges = edge_factors(patches, adjacency, factor, lod, diagonal_of(mesh), view)
+        factors = patch_factors_on_device(
+            patches, nets, of_edges, view, cull=False, back_cosine=None
+        )
+        pattern = tessellate_device(
+            "triangle", factors.edge, factors.inside, partitioning, clockwise=True
+        )
+        vertices = evaluate_on_device(nets, pattern)
+        displace_on_device(
+            patches, adjacency, shared_normals(mesh.vertices, normals), raster, coordinates,
+            pattern, vertices.positions, scale=scale, bias=bias,
+        )  # fmt: skip
+        renew_normals_on_device(
+            patches, corner_kinds(mesh.vertices, normals, adjacency), factors, partitioning,
+            pattern, vertices.positions, vertices.normals,
+        )  # fmt: skip
+        return Mesh(
+            vertices.positions.host(),
+            vertices.normals.host(),
+            pattern.primitives.host(),
+            mesh.origin,
+            mesh.crs,
+            timings=timeline.seconds,
+        )
+
+
+def displace_on_device(
+    mesh: DevicePatchMesh,
+    adjacency: Adjacency,
+    shared: npt.NDArray[np.float32],
+    heights: npt.NDArray[np.float32],
+    textures: npt.NDArray[np.float32],
+    pattern: DevicePattern,
+    positions: DeviceArray,
+    *,
+    scale: float,
+    bias: float,
+) -> None:
+    """Move the (N, 3) `positions` of a pattern's points; `shared` are :func:`shared_normals`."""
+    device, group = mesh.device, mesh.device.group_size(32)
+    groups = mesh.count if device.is_gpu else min(mesh.count, _RUNS)
+    device.kernel("displaced.cl", "displaced", GROUP=group)(
+        (groups * group,),
+        (group,),
+        patch_count=mesh.count,
+        patches=mesh.patches,
+        dominant=device.array(dominant_edges(adjacency)),
+        normals=mesh.normals,
+        shared=device.array(shared),
+        textures=device.array(textures),
+        heights=device.array(heights),
+        rows=heights.shape[0],
+        columns=heights.shape[1],
+        scale=scale,
+        bias=bias,
+        point_offsets=pattern.point_offsets,
+        points=pattern.points,
+        positions=positions,
+    )
+
+
+def dominant_edges(adjacency: Adjacency) -> npt.NDArray[np.int32]:
+    """Return the vertices that speak for the ends of each patch's edges; (T, 6) int32.
+
+    Those of the edge's first side, in the direction of the patch's own edge.
+    """
+    corners = adjacency.patches[:, : layout.PATCH_ADJACENT]
+    corner_points = adjacency.patches[:, layout.PATCH_DOMINANT :]
+    ends = corners[:, EDGE_ENDS].reshape(-1, 2)
+    points = corner_points[:, EDGE_ENDS].reshape(-1, 2)
+    first = adjacency.sides[adjacency.edges.ravel(), 0]
+    same_way = points[first, 0] == points[:, 0]
+    chosen = np.where(same_way[:, None], ends[first], ends[first][:, ::-1])
+    return np.ascontiguousarray(chosen.reshape(-1, 6), np.int32)
+
+
+def shared_normals(
+    vertices: npt.NDArray[np.float32], normals: npt.NDArray[np.float32]
+) -> npt.NDArray[np.float32]:
+    """Return the mean of the different normals at each vertex's position; (V, 3) unit length.
+
+    Where they cancel, the first of them.
+    """
+    points = weld(vertices)
+    kinds = weld(normals)
+    _, chosen = np.unique(points * (kinds.max(initial=0) + 1) + kinds, return_index=True)
+    sums = np.stack(
+        [np.bincount(points[chosen], normals[chosen, axis].astype(float)) for axis in range(3)], 1
+    )
+    lengths = np.linalg.norm(sums, axis=1)
+    _, first = np.unique(points, return_index=True)
+    lost = lengths < 1e-6
+    sums[lost] = normals[first[lost]]
+    lengths[lost] = 1.0
+    mean: npt.NDArray[np.float32] = (sums / lengths[:, None]).astype(np.float32)[points]
+    return mean
+
+
+def variation_factors(
+    mesh: Mesh,
+    heights: npt.ArrayLike,
+    textures: npt.ArrayLike,
+    *,
+    scale: float = 1.0,
+    tolerance: float,
+    maximum: float = 63.0,
+) -> npt.NDArray[np.float32]:
+    """Return the factors that a map's own variation asks for.
+
+    The heights over each triangle are sampled on a lattice of 16 segments and compared with the
+    plane through those at its corners. A surface that leaves its plane by d is followed within the
+    tolerance by about sqrt(d / tolerance) segments, as a parabola is.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    heights, textures, scale
+        As for :func:`displace`.
+    tolerance : float
+        In world units, above 0.
+    maximum : float, optional
+        The most segments, 1 to 64.
+
+    Returns
+    -------
+    (T, 3) float32
+        At an edge the larger of both sides', 1 where the map is plane.
+    """
+    positive("tolerance", tolerance)
+    checked_factor("maximum", maximum)
+    raster, coordinates = checked_map(heights), _checked_textures(textures, mesh)
+    i, j = np.meshgrid(np.arange(_SAMPLED + 1), np.arange(_SAMPLED + 1), indexing="ij")
+    inside = i + j <= _SAMPLED
+    weights = np.stack([i, j, _SAMPLED - i - j], axis=-1)[inside] / _SAMPLED
+    off = np.empty(len(mesh.triangles))
+    # so many at a time, for all their samples are in memory
+    for first in range(0, len(off), _SAMPLED_TOGETHER):
+        some = slice(first, first + _SAMPLED_TOGETHER)
+        corners = coordinates[mesh.triangles[some]].astype(np.float64)
+        sampled = map_heights(raster, np.einsum("nk,tkc->tnc", weights, corners))
+        plane = map_heights(raster, corners) @ weights.T
+        off[some] = np.abs(sampled - plane).max(axis=1)
+    wanted = np.clip(np.sqrt(abs(scale) * off / tolerance), 1, maximum)
+    adjacency = Adjacency.of(mesh)
+    of_edge = np.zeros(len(adjacency.sides))
+    np.maximum.at(of_edge, adjacency.edges, wanted[:, None])
+    factors: npt.NDArray[np.float32] = of_edge[adjacency.edges].astype(np.float32)
+    return factors
+
+
+def map_heights(heights: npt.NDArray[np.float32], textures: Array) -> Array:
+    """Return the map at texture coordinates (..., 2), as ``kernels/displaced.cl`` finds it."""
+    rows, columns = heights.shape
+    x = textures[..., 0] % 1.0 * columns - 0.5
+    y = (1.0 - textures[..., 1] % 1.0) * rows - 0.5
+    left, above = np.floor(x).astype(int), np.floor(y).astype(int)
+    a, b, c, d = (
+        heights[(above + down) % rows, (left + right) % columns].astype(np.float64)
+        for down in (0, 1)
+        for right in (0, 1)
+    )
+    upper, lower = a + (b - a) * (x - left), c + (d - c) * (x - left)
+    found: Array = upper + (lower - upper) * (y - above)
+    return found
+
+
+def plane_patches(patches: DevicePatchMesh, adjacency: Adjacency) -> DevicePatchMesh:
+    """Return patches without neighbours to bend their edges with: they stay plane."""
+    straight = adjacency.patches.copy()
+    straight[:, layout.PATCH_ADJACENT : layout.PATCH_DOMINANT] = -1
+    return replace(patches, patches=patches.device.array(straight))
+
+
+def checked_map(heights: npt.ArrayLike) -> npt.NDArray[np.float32]:
+    """Return a map as (R, C) float32, or say what it should be."""
+    raster = np.ascontiguousarray(heights, np.float32)
+    if raster.ndim != 2 or not raster.size or not np.isfinite(raster).all():
+        raise InputError(f"expected a map of finite heights (R, C), got shape {raster.shape}")
+    return raster
+
+
+def _checked_textures(textures: npt.ArrayLike, mesh: Mesh) -> npt.NDArray[np.float32]:
+    coordinates = np.ascontiguousarray(textures, np.float32)
+    if coordinates.shape != (len(mesh.vertices), 2) or not np.isfinite(coordinates).all():
+        raise InputError(
+            f"expected finite texture coordinates ({len(mesh.vertices)}, 2), one pair a vertex, "
+            f"got shape {coordinates.shape}"
+        )
+    largest = float(np.abs(coordinates).max(initial=0.0))
+    if largest > _LARGEST_COORDINATE:
+        raise InputError(
+            f"expected texture coordinates within {_LARGEST_COORDINATE}, where float32 still has "
+            f"places in a map, got {largest:g}"
+        )
+    return coordinates

@@ -1,0 +1,242 @@
+"""Any triangle mesh, curved: PN-triangles through the tessellator.
+
+::
+
+    mesh --adjacency--> 12-index patches --hull--> control nets, factors
+         --tessellate--> points, triangles --evaluate--> vertices, normals
+
+Data stays on the device between the stages and comes down once, as a Mesh.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+import numpy.typing as npt
+
+from .. import layout
+from ..arguments import finite, one_of
+from ..buffers import DeviceFactors
+from ..camera import Camera
+from ..device import Device, DeviceArray
+from ..errors import InputError
+from ..measure.soundness import require_sound
+from ..mesh import Mesh
+from ..tessellator import tessellate_device
+from .adjacency import Adjacency
+from .creases import split_at_creases
+from .curved_mesh import CurvedMesh
+from .patch_factors import MAX_FACTOR, EdgeFactor, UniformFactor
+from .pn import (
+    DevicePatchMesh,
+    blend_on_device,
+    edge_factors_on_device,
+    evaluate_on_device,
+    levels_on_device,
+    nets_on_device,
+    patch_factors_on_device,
+)
+from .semi_uniform import semi_uniform_device
+
+NORMALS: Final = ("quadratic", "linear")
+# patterns of another tessellator: semi_uniform.py
+SEMI_UNIFORM: Final = "semi_uniform"
+
+# a factor of 64, the largest
+_LARGEST_LEVEL: Final = 6
+
+
+def pn_triangles(
+    mesh: Mesh,
+    factor: float | npt.ArrayLike | None = None,
+    *,
+    lod: EdgeFactor | None = None,
+    camera: Camera | None = None,
+    normals: str = "quadratic",
+    sharp: bool | float = True,
+    partitioning: str = "fractional_odd",
+    cull: bool = True,
+    back_faces: float | None = None,
+    device: Device | None = None,
+) -> CurvedMesh:
+    """Replace every triangle of a mesh by a curved one, and tessellate it.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Its normals shape the surface: it stands across them at the vertices.
+    factor : float or (T, 3) array_like, optional
+        Segments along the edges, 1 to 64: everywhere, or along the edge opposite each corner; of an
+        edge's two the larger counts. Defaults to 5.
+    lod : EdgeFactor, optional
+        A formula for the segments instead.
+    camera : Camera, optional
+        Where detail is wanted, and what is in view. Without one, nothing is culled.
+    normals : {"quadratic", "linear"}, optional
+        Normals that follow the curved surface, or those that shading would blend.
+    sharp : bool or float, optional
+        What happens where vertices at the same position have different normals. True: the edge is
+        sharp, and one curve for both sides (PN-AEN), so that the surface stays closed. A number:
+        also make sharp all edges at which faces meet at more than so many degrees. False: PN as
+        first published; the two sides part.
+    partitioning : str, optional
+        ``"fractional_odd"``, ``"fractional_even"``, ``"integer"`` or ``"pow2"`` of the tessellator,
+        or ``"semi_uniform"``: dyadic patterns, whose levels are the factors' binary logarithms, and
+        blended between whole levels.
+    cull : bool, optional
+        Leave out patches that are out of the camera's view.
+    back_faces : float, optional
+        Leave out patches that are turned away from the camera everywhere, by more than this cosine:
+        0 leaves out the most. For closed meshes; by default they are kept.
+    device : Device, optional
+
+    Returns
+    -------
+    CurvedMesh
+        A mesh that also carries over what the source has at its vertices, such as texture
+        coordinates. Corners are kept exactly. Patches have bit-equal vertices on the edges that
+        they share, each its own copy. Where no normal can be computed, see
+        :func:`terrain_lod.curved.pn.evaluate_on_device`.
+
+    Raises
+    ------
+    InputError
+        If the mesh is empty or has positions or normals that are not finite or corners that are no
+        vertices; if a factor is out of range or a word is unknown; if a formula needs a camera.
+    DeviceMemoryError
+        If the device cannot hold the mesh.
+
+    Notes
+    -----
+    A. Vlachos, J. Peters, C. Boyd, J. L. Mitchell: *Curved PN Triangles*, I3D 2001.
+    J. McDonald, M. Kilgard: *Crack-Free Point-Normal Triangles Using Adjacent Edge Normals*, 2010.
+
+    Examples
+    --------
+    >>> smooth = pn_triangles(load_mesh("bunny.ply"), 5)        # doctest: +SKIP
+    """
+    require_curvable(mesh)
+    one_of("normals", normals, NORMALS)
+    one_of("partitioning", partitioning, (*layout.PARTITIONINGS, SEMI_UNIFORM))
+    if lod is not None and factor is not None:
+        raise InputError(f"expected a factor or a lod, got both {factor!r} and {lod}")
+    if lod is not None and lod.needs_camera and camera is None:
+        raise InputError(f"{type(lod).__name__} needs a camera, got none")
+    # True is a number, too
+    crease = None if isinstance(sharp, bool) else finite("sharp", sharp)
+    source = mesh if crease is None else split_at_creases(mesh, crease)
+    adjacency = Adjacency.of(source)
+    if sharp is False:
+        adjacency = adjacency.without_neighbours()
+    device = device or Device.open()
+    view = np.zeros((), layout.VIEW) if camera is None else camera.view(mesh.origin)
+    with device.timed() as timeline:
+        patches = DevicePatchMesh.upload(
+            source.vertices, unit_normals(source.normals), adjacency, device
+        )
+        nets = nets_on_device(patches)
+        of_edges = edge_factors(patches, adjacency, factor, lod, diagonal_of(mesh), view)
+        factors = patch_factors_on_device(
+            patches,
+            nets,
+            of_edges,
+            view,
+            cull=cull and camera is not None,
+            back_cosine=_back_cosine(back_faces, camera),
+        )
+        return _tessellated(mesh, nets, factors, partitioning, normals == "linear", timeline)
+
+
+def _tessellated(
+    mesh: Mesh,
+    nets: DeviceArray,
+    factors: DeviceFactors,
+    partitioning: str,
+    linear_normals: bool,
+    timeline: Any,
+) -> CurvedMesh:
+    # corners 0, 1, 2 are u, v, w: counter-clockwise in the mesh is clockwise in the domain
+    if partitioning == SEMI_UNIFORM:
+        levels = levels_on_device(factors.edge, _LARGEST_LEVEL)
+        pattern = semi_uniform_device(
+            levels, maximum=_LARGEST_LEVEL, keep_degenerate=False, clockwise=True
+        )
+        vertices = blend_on_device(nets, levels, pattern, linear_normals=linear_normals)
+    else:
+        pattern = tessellate_device(
+            "triangle", factors.edge, factors.inside, partitioning, clockwise=True
+        )
+        vertices = evaluate_on_device(nets, pattern, linear_normals=linear_normals)
+    return CurvedMesh(
+        vertices=vertices.positions.host(),
+        normals=vertices.normals.host(),
+        triangles=pattern.primitives.host(),
+        origin=mesh.origin,
+        crs=mesh.crs,
+        timings=timeline.seconds,
+        source_triangles=mesh.triangles,
+        points=pattern.points.host(),
+        point_offsets=pattern.point_offsets.host().astype(np.int64),
+    )
+
+
+def edge_factors(
+    patches: DevicePatchMesh,
+    adjacency: Adjacency,
+    factor: float | npt.ArrayLike | None,
+    lod: EdgeFactor | None,
+    diagonal: float,
+    view: npt.NDArray[Any],
+) -> DeviceArray:
+    """Return the factor of every edge, by formula or as given; (E,) float32."""
+    if lod is None and (factor is None or np.ndim(factor) == 0):
+        lod = UniformFactor() if factor is None else UniformFactor(finite("factor", factor))
+    if lod is not None:
+        return edge_factors_on_device(patches, lod, diagonal, view)
+    given = np.asarray(factor, np.float32)
+    if given.shape != adjacency.edges.shape:
+        raise InputError(
+            f"expected a factor, or one an edge {adjacency.edges.shape}, got shape {given.shape}"
+        )
+    if not ((given >= 1) & (given <= MAX_FACTOR)).all():
+        raise InputError(f"expected factors from 1 to {MAX_FACTOR}, got {given.min():g} to "
+                         f"{given.max():g}")  # fmt: skip
+    of_edge = np.zeros(len(adjacency.sides), np.float32)
+    np.maximum.at(of_edge, adjacency.edges.ravel(), given.ravel())
+    return patches.device.array(of_edge)
+
+
+def _back_cosine(back_faces: float | None, camera: Camera | None) -> float | None:
+    if back_faces is None:
+        return None
+    if camera is None:
+        raise InputError("back_faces needs a camera, got none")
+    if not 0 <= finite("back_faces", back_faces) < 1:
+        raise InputError(f"expected back_faces from 0 to below 1, got {back_faces:g}")
+    return back_faces
+
+
+def require_curvable(mesh: Mesh) -> None:
+    """Refuse meshes without triangles, or with numbers that are not finite."""
+    if not len(mesh.triangles):
+        raise InputError("expected triangles to curve, got an empty mesh")
+    require_sound(mesh.vertices, mesh.triangles)
+    finite_normals = np.isfinite(mesh.normals).all(axis=1)
+    if not finite_normals.all():
+        vertex = int(np.argmin(finite_normals))
+        raise InputError(f"expected finite normals, got {mesh.normals[vertex]} at vertex {vertex}")
+
+
+def unit_normals(normals: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+    """Return normals of unit length; zero stays zero, and equal normals stay equal."""
+    wide = normals.astype(np.float64)
+    lengths = np.linalg.norm(wide, axis=1, keepdims=True)
+    unit: npt.NDArray[np.float32] = (wide / np.where(lengths > 0, lengths, 1.0)).astype(np.float32)
+    return unit
+
+
+def diagonal_of(mesh: Mesh) -> float:
+    """Return the diagonal of the mesh's bounds, above 0."""
+    used = mesh.vertices[mesh.triangles.ravel()]
+    return float(np.linalg.norm(np.ptp(used.astype(np.float64), axis=0))) or 1.0

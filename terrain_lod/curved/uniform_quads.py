@@ -1,0 +1,62 @@
+"""Quad patches that are all divided alike, and the meshes on them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final
+
+import numpy as np
+
+from ..arguments import one_of, positive
+from ..buffers import DeviceVertices
+from ..device import Device
+from ..layout import PARTITIONINGS
+from ..mesh import Mesh
+from ..pattern import DevicePattern
+from ..tessellator import tessellate_device
+
+_RUNS: Final = 1024  # work-groups on a CPU, each with a run of patches
+
+Evaluate = Callable[[DevicePattern, DeviceVertices, int, int], None]
+"""Takes points, the vertices to fill, the work-items in all and those of a group."""
+
+
+def uniform_mesh(
+    patches: int, factor: float, partitioning: str, device: Device, evaluate: Evaluate
+) -> Mesh:
+    """Return the mesh of `patches` quads with one `factor`, its vertices filled by `evaluate`.
+
+    Triangles are counter-clockwise seen from the side that dP/du x dP/dv points to.
+
+    Raises
+    ------
+    InputError
+        If the factor is not positive, `partitioning` is unknown, or there are too many indices.
+    DeviceMemoryError
+        If the mesh does not fit the device.
+    """
+    factor = positive("factor", factor)
+    one_of("partitioning", partitioning, PARTITIONINGS)
+    if patches == 0:
+        nothing = np.empty((0, 3), np.float32)
+        return Mesh(nothing, nothing, np.empty((0, 3), np.int32))
+    edges, insides = (np.full((patches, width), factor, np.float32) for width in (4, 2))
+    with device.timed() as timeline:
+        # clockwise with v down is counter-clockwise with v up
+        pattern = tessellate_device(
+            "quad", device.array(edges), device.array(insides), partitioning, clockwise=True
+        )
+        count = pattern.points.shape[0]
+        device.require(f"{count} vertices", 12 * count, 12 * count)
+        vertices = DeviceVertices(
+            device.empty((count, 3), np.float32), device.empty((count, 3), np.float32)
+        )
+        group = device.group_size(64)
+        groups = patches if device.is_gpu else min(patches, _RUNS)
+        evaluate(pattern, vertices, groups * group, group)
+        return Mesh(
+            vertices.positions.host(),
+            vertices.normals.host(),
+            pattern.primitives.host(),
+            timings=timeline.seconds,
+        )

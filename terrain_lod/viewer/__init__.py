@@ -1,0 +1,157 @@
+"""Look at ground: in a window, off screen, or as a page in the browser."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from ctypes import CDLL, c_char_p, c_void_p
+from pathlib import Path
+from typing import Any, Final
+
+from ..camera import Camera
+from ..errors import GraphicsError
+from .controls import Controls
+from .model import Model
+from .movie import Movie
+from .settings import Settings
+from .window import Window
+
+_PERIOD: Final = 15  # milliseconds between two looks for something new
+
+
+def view(
+    model: Model,
+    camera: Camera,
+    *,
+    settings: Settings | None = None,
+    record: Path | None = None,
+) -> None:
+    """Open a window and return when it is closed.
+
+    Parameters
+    ----------
+    model : Model
+    camera : Camera
+        Where to begin; its size is the window's.
+    settings : Settings, optional
+    record : Path, optional
+        GIF or MP4 of all that is shown.
+
+    Raises
+    ------
+    GraphicsError
+        If there is no display, or nothing can be drawn.
+    """
+    require_display()
+    window = Window(model, camera)
+    try:
+        window.apply(settings or window.settings)
+        controls = Controls(window)
+        controls.record(record)
+        interactor = window.plotter.iren.interactor
+        interactor.Initialize()
+        interactor.AddObserver("TimerEvent", lambda *_: controls.pump())
+        interactor.CreateRepeatingTimer(_PERIOD)
+        window.draw()
+        with _ended_by_interrupt(interactor):
+            interactor.Start()
+        controls.record(None)
+    finally:
+        window.close()
+
+
+def look(
+    model: Model,
+    camera: Camera,
+    *,
+    settings: Settings | None = None,
+    picture: Path | None = None,
+    record: Path | None = None,
+    frames: int = 60,
+) -> tuple[str, ...]:
+    """Do without a display what the window would: a picture, and a flight around the target.
+
+    Parameters
+    ----------
+    model : Model
+    camera : Camera
+    settings : Settings, optional
+    picture : Path, optional
+        PNG of the first view.
+    record : Path, optional
+        GIF or MP4 of a flight once around the target.
+    frames : int, optional
+        Pictures of that flight.
+
+    Returns
+    -------
+    tuple of str
+        The read-out of the first view.
+
+    Raises
+    ------
+    GraphicsError
+        If nothing can be drawn.
+    """
+    movie = None if record is None else Movie(record)
+    window = Window(model, camera, off_screen=True)
+    try:
+        window.apply(settings or window.settings)
+        window.settle(measured=True)
+        if picture is not None:
+            window.picture(picture)
+        lines = window.lines()
+        if movie is not None:
+            for _ in range(frames):
+                movie.add(window.picture())
+                window.drive(window.rig.orbit(360 / frames, 0.0))
+                window.settle()
+            movie.close()
+        return lines
+    finally:
+        window.close()
+
+
+def require_display() -> None:
+    """Return where a window can be opened.
+
+    Raises
+    ------
+    GraphicsError
+        Where it cannot; the message names the ways without one.
+    """
+    if sys.platform != "linux":
+        return
+    name = os.environ.get("DISPLAY")
+    if not name or not _opens(name):
+        got = f"DISPLAY {name}, which does not open" if name else "none"
+        raise GraphicsError(
+            f"expected a display for a window, got {got}: use --off-screen or --web"
+        )
+
+
+@contextmanager
+def _ended_by_interrupt(interactor: Any) -> Iterator[None]:
+    """End the window's loop at Ctrl-C: an exception would be lost in VTK's callbacks."""
+    before = signal.signal(signal.SIGINT, lambda *_: interactor.TerminateApp())
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def _opens(name: str) -> bool:
+    """Ask X itself: VTK ends the process where it cannot open a display."""
+    try:
+        x11 = CDLL("libX11.so.6")
+    except OSError:
+        return False
+    x11.XOpenDisplay.argtypes, x11.XOpenDisplay.restype = [c_char_p], c_void_p
+    x11.XCloseDisplay.argtypes = [c_void_p]
+    display = x11.XOpenDisplay(name.encode())
+    if display:
+        x11.XCloseDisplay(display)
+    return bool(display)

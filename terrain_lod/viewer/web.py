@@ -1,0 +1,249 @@
+"""The viewer as a page: the same scene and settings, drawn here, shown in a browser.
+
+Uses pyvista's own web backend, trame. The page's controls are built from the tables of
+``viewer_settings``; mouse events reach the window's own controls.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+from typing import Any, Final
+
+from ..camera import Camera
+from ..errors import InputError, MissingExtraError, TerrainError
+from .controls import Controls
+from .model import Model
+from .settings import CHOICES, Settings, Slider, sliders
+from .window import Window
+
+_PERIOD: Final = 0.03  # seconds between two looks for something new
+_LABELS: Final = {
+    "lod": "level of detail",
+    "edges": "factor of shared edges",
+    "tile": "cells along a tile",
+}
+
+
+def serve(
+    model: Model,
+    camera: Camera,
+    *,
+    settings: Settings | None = None,
+    host: str = "127.0.0.1",
+    port: int = 8080,
+    open_browser: bool = False,
+) -> None:
+    """Serve the viewer as a page until interrupted.
+
+    Parameters
+    ----------
+    model : Model
+    camera : Camera
+        Where to begin; the page sets the size.
+    settings : Settings, optional
+    host : str, optional
+        Address to listen on; anyone who reaches it can use the viewer.
+    port : int, optional
+    open_browser : bool, optional
+
+    Raises
+    ------
+    InputError
+        If the port is taken.
+    MissingExtraError
+        Without the extra ``[web]``.
+    GraphicsError
+        If this machine cannot draw.
+    """
+    _require_trame()
+    _require_port(host, port)
+    window = Window(model, camera, off_screen=True)
+    try:
+        window.apply(settings or window.settings)
+        window.texts_shown = False
+        page = Page(window)
+        page.server.start(
+            host=host,
+            port=port,
+            open_browser=open_browser,
+            show_connection_info=False,
+            timeout=0,
+        )
+    finally:
+        window.close()
+
+
+class Page:
+    """A trame page around a window.
+
+    Parameters
+    ----------
+    window : Window
+        Off screen.
+
+    Attributes
+    ----------
+    server : trame server
+    """
+
+    def __init__(self, window: Window) -> None:
+        from trame.app import get_server
+
+        self.window = window
+        self.controls = Controls(window, panel=False)
+        self.server: Any = get_server(name="terrain-lod", client_type="vue3")
+        self._state = self.server.state
+        self._state.trame__title = "terrain-lod"
+        self._known: dict[str, Any] = {}  # settings as the page has them
+        self._view: Any = None
+        self._diagonal = window.settings.diagonal
+        self._share_settings()
+        self._share_readout()
+        self._build()
+        for choice in CHOICES:
+            self._state.change(choice.name)(self._taker(choice.name))
+        for slider in sliders(self._diagonal):
+            self._state.change(slider.name)(self._taker(slider.name, slider))
+        self.server.controller.on_server_ready.add(lambda **_: asyncio.ensure_future(self._run()))
+
+    async def _run(self) -> None:
+        while True:
+            try:
+                self.pump()
+            except TerrainError as error:
+                self.window.note = str(error)
+            await asyncio.sleep(_PERIOD)
+
+    def pump(self) -> None:
+        """Show what is new, and send it to the page."""
+        if self.window.pump():
+            self._view.update()
+            with self._state:
+                self._share_settings()
+                self._share_readout()
+
+    # settings and read-out, as the page's state
+
+    def _share_settings(self) -> None:
+        """Send the settings that the page did not set itself: those would fight with its hand."""
+        settings = self.window.settings
+        for choice in CHOICES:
+            self._share(choice.name, getattr(settings, choice.name))
+        shown = {slider.name for slider in settings.sliders}
+        for slider in sliders(settings.diagonal):
+            value = getattr(settings, slider.name)
+            self._share(slider.name, slider.on_scale(value))
+            self._state[f"{slider.name}_said"] = slider.said(value)
+            self._state[f"{slider.name}_shown"] = slider.name in shown
+
+    def _share(self, name: str, value: Any) -> None:
+        if self._known.get(name) != value:
+            self._known[name] = self._state[name] = value
+
+    def _share_readout(self) -> None:
+        frame = self.window.frame
+        self._state.readout = list(self.window.lines())
+        self._state.note = self.window.note.split("\n") if self.window.note else []
+        self._state.triangle_count = 0 if frame is None else len(frame.mesh.triangles)
+
+    def _taker(self, name: str, slider: Slider | None = None) -> Any:
+        """Return what takes a value from the page."""
+
+        def take(**state: Any) -> None:
+            value = state[name]
+            if value == self._known[name]:
+                return
+            if slider is not None:
+                value = slider.of_scale(float(value))
+            try:
+                self.window.change(name, value)
+                held = getattr(self.window.settings, name)
+                self._known[name] = held if slider is None else slider.on_scale(held)
+            except TerrainError as error:
+                self.window.note = str(error)
+                self.window.redraw()
+
+        return take
+
+    # the page
+
+    def _build(self) -> None:
+        from trame.ui.vuetify3 import SinglePageWithDrawerLayout
+        from trame.widgets import client, html, vuetify3
+        from trame_pyvista import PyVistaRemoteView
+
+        with SinglePageWithDrawerLayout(self.server) as layout:
+            client.Style("html { overflow-y: hidden !important }")
+            layout.title.set_text("terrain-lod")
+            layout.footer.hide()
+            with layout.toolbar:
+                vuetify3.VSpacer()
+                html.Span(
+                    "{{ triangle_count.toLocaleString('en') }} triangles", id="triangle-count"
+                )
+                for text, key in (("reset", "r"), ("reload", "u"), ("fly", "g")):
+                    vuetify3.VBtn(text, id=text, click=lambda key=key: self.controls.press(key))
+            with layout.drawer as drawer:
+                drawer.width = 330
+                self._build_controls()
+                html.Pre("{{ readout.join('\\n') }}", id="readout", style=_PRE)
+                html.Pre("{{ note.join('\\n') }}", id="note", style=_PRE)
+            with layout.content, vuetify3.VContainer(fluid=True, classes="pa-0 fill-height"):
+                self._view = PyVistaRemoteView(self.window.plotter, interactive_ratio=1)
+
+    def _build_controls(self) -> None:
+        from trame.widgets import html, vuetify3
+
+        for choice in CHOICES:
+            label = _LABELS.get(choice.name, choice.name)
+            if isinstance(choice.values[0], bool):
+                vuetify3.VSwitch(
+                    v_model=(choice.name,), label=label, id=choice.name, **_DENSE, color="primary"
+                )
+            else:
+                vuetify3.VSelect(
+                    v_model=(choice.name,),
+                    items=(f"{choice.name}_values", list(choice.values)),
+                    label=label,
+                    id=choice.name,
+                    **_DENSE,
+                )
+        for slider in sliders(self._diagonal):
+            low, high = slider.on_scale(slider.low), slider.on_scale(slider.high)
+            with html.Div(v_show=(f"{slider.name}_shown",), classes="px-4"):
+                html.Small(f"{slider.label}: {{{{ {slider.name}_said }}}}")
+                vuetify3.VSlider(
+                    v_model=(slider.name,),
+                    min=low,
+                    max=high,
+                    step=1 if slider.whole and not slider.logarithmic else (high - low) / 500,
+                    id=slider.name,
+                    **_DENSE,
+                )
+
+
+_DENSE: Final = {"density": "compact", "hide_details": True, "classes": "mx-3 my-1"}
+_PRE: Final = "font-size: 11px; white-space: pre-wrap; margin: 8px 16px"
+
+
+def _require_trame() -> None:
+    try:
+        import trame.widgets.vuetify3  # noqa: F401
+        import trame_pyvista  # noqa: F401
+    except ImportError as error:
+        raise MissingExtraError(
+            f"expected trame for --web, got no {error.name}: install 'terrain_lod[web]'"
+        ) from None
+
+
+def _require_port(host: str, port: int) -> None:
+    with socket.socket() as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((host, port))
+        except (OSError, OverflowError) as error:
+            reason = getattr(error, "strerror", None) or error
+            raise InputError(
+                f"cannot listen on {host}, port {port} ({reason}): choose another with --port"
+            ) from None
