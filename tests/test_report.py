@@ -224,14 +224,16 @@ def test_map_outlines_what_the_picture_shows(ground, view):
 
 
 def test_difference_is_black_where_same_and_white_where_opposite():
-    black, white = np.zeros((2, 1, 3), np.uint8), np.full((2, 1, 3), 255, np.uint8)
+    black, white = np.zeros((7, 7, 3), np.uint8), np.full((7, 7, 3), 255, np.uint8)
     first = np.concatenate([black, black, black], axis=1)
     second = np.concatenate([black, white, black + np.uint8(51)], axis=1)
     picture, difference = differing(first, second)
-    assert picture[0, :, 0].tolist() == [0, 255, round(255 * 0.2**0.5)]
+    assert picture[0, ::7, 0].tolist() == [0, 255, round(255 * 0.2**0.5)]
     assert difference.mean == pytest.approx((0 + 1 + 0.2) / 3)
     assert difference.largest == 1
     assert difference.visible_share == pytest.approx(2 / 3)
+    assert difference.similarity < 0.7
+    assert differing(first, first)[1].similarity == 1
 
 
 def test_verdict_follows_the_numbers(made):

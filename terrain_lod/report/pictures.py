@@ -31,11 +31,14 @@ class Difference:
         Over the pixels.
     visible_share : float
         Share of the pixels that differ by more than 15 %.
+    similarity : float
+        Structural similarity (Wang et al. 2004) of the two in grey: 1 where they are the same.
     """
 
     mean: float
     largest: float
     visible_share: float
+    similarity: float
 
 
 def save_pictures(
@@ -76,7 +79,7 @@ def save_pictures(
 
 
 def differing(first: Picture, second: Picture) -> tuple[Picture, Difference]:
-    """Return where and how much two pictures differ.
+    """Return where and how much two pictures of at least 7 x 7 pixels differ.
 
     Returns
     -------
@@ -85,7 +88,11 @@ def differing(first: Picture, second: Picture) -> tuple[Picture, Difference]:
         the square root of the difference, for small ones would not be seen.
     Difference
     """
+    from skimage.metrics import structural_similarity
+
     share = np.abs(first.astype(np.int16) - second).mean(axis=-1) / 255
     grey = np.repeat(np.round(255 * np.sqrt(share)).astype(np.uint8)[..., None], 3, axis=-1)
     visible = float(np.mean(share > VISIBLE_DIFFERENCE))
-    return grey, Difference(float(share.mean()), float(share.max()), visible)
+    greys = (picture.mean(axis=-1) / 255 for picture in (first, second))
+    similarity = float(structural_similarity(*greys, data_range=1.0))
+    return grey, Difference(float(share.mean()), float(share.max()), visible, similarity)

@@ -15,7 +15,8 @@ def verdict(comparison: Comparison, difference: Difference | None) -> list[str]:
         sentences.append(
             f"The two shaded pictures differ by {small_share(difference.mean)} on average; "
             f"{small_share(difference.visible_share)} of the pixels differ by more than "
-            f"{VISIBLE_DIFFERENCE:.0%}, the most by {difference.largest:.0%}."
+            f"{VISIBLE_DIFFERENCE:.0%}, the most by {difference.largest:.0%}; "
+            f"their structural similarity is {difference.similarity:.3f}."
         )
     return sentences
 
