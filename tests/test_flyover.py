@@ -15,11 +15,11 @@ from PIL import Image
 
 from terrain_lod import Camera, CoplanarityLod, InputError, Terrain, UniformLod, default_camera
 from terrain_lod.cli import REFUSED, run
+from terrain_lod.drawing.drape import Drape
 from terrain_lod.drawing.graphics import graphics_problem
 from terrain_lod.drawing.render import render
 from terrain_lod.errors import FileError
 from terrain_lod.viewer.camera_path import flyover, load_path, orbit
-from terrain_lod.viewer.drape import Drape
 from terrain_lod.viewer.flyover import Look, render_path
 from terrain_lod.viewer.viewer_camera import height_at
 

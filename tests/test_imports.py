@@ -22,7 +22,7 @@ ROOMS = {
         "errors arguments layout factors grid heightmap camera lod pattern mesh queries files "
         "files.degrees opencl opencl.device_info opencl.parameters opencl.timeline drawing "
         "drawing.viewpoint drawing.colours measure measure.soundness measure.open_edges "
-        "viewer.camera_path viewer.drape curved curved.patch_factors curved.curved_mesh "
+        "viewer.camera_path drawing.drape curved curved.patch_factors curved.curved_mesh "
         "curved.adjacency curved.shape_numbers",
         "",
     ),

@@ -17,7 +17,7 @@ from .options import DetailOptions
 from .output import progress_bar, say
 
 if TYPE_CHECKING:
-    from ..viewer.drape import Drape
+    from ..drawing.drape import Drape
 
 _PATH: Final = Group("Many pictures", sort_key=5)
 
@@ -96,6 +96,6 @@ class PathOptions:
 
     def drape(self, ground: Heightmap) -> Drape | None:
         """Return what is laid over the ground."""
-        from ..viewer.drape import Drape
+        from ..drawing.drape import Drape
 
         return None if self.texture is None else Drape.load(self.texture, ground)

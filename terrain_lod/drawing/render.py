@@ -18,8 +18,8 @@ from ..camera import Camera
 from ..errors import InputError
 from ..files import replacing, require_folder
 from ..mesh import Mesh
-from ..viewer.drape import Drape
 from .colours import Colours, hypsometric, lit, lod_colours, mixed, sun_direction, to_bytes
+from .drape import Drape
 from .graphics import require_graphics
 
 if TYPE_CHECKING:

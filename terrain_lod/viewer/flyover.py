@@ -16,6 +16,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from ..camera import Camera
+from ..drawing.drape import Drape
 from ..drawing.graphics import require_graphics
 from ..drawing.render import Picture, render, save_png
 from ..errors import FileError, InputError
@@ -23,7 +24,6 @@ from ..files import replacing, require_made
 from ..lod import Lod, PromiseLod
 from ..mesh import Mesh
 from ..terrain import Terrain
-from .drape import Drape
 
 _NOTES: Final = "frames.json"  # what the pictures of a folder show
 _TEXT_HEIGHT: Final = 1 / 36  # of the picture

@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from ..camera import Camera
+from ..drawing.drape import Drape
 from ..drawing.graphics import require_graphics
 from ..drawing.render import HORIZON, INK, ZENITH, Picture, save_png, stand
 from ..errors import InputError
-from .drape import Drape
 from .engine import Engine
 from .model import Frame, Model, Request, frustum
 from .settings import Settings
