@@ -175,7 +175,7 @@ def test_page_is_whole_and_holds_everything(made):
 
 
 def test_maps_are_drawn_without_graphics_and_say_so(ground, tmp_path, monkeypatch):
-    for name in ("report", "report_pictures"):
+    for name in ("report", "report.pictures"):
         module = import_module(f"terrain_lod.{name}")
         monkeypatch.setattr(module, "graphics_problem", lambda: "expected OpenGL & none")
     made = report(ground, tmp_path, camera=small_camera(ground))
