@@ -9,9 +9,9 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
-from terrain_lod.pattern_pictures import save_animation, save_pattern
-from terrain_lod.semi_uniform import semi_uniform
 
+from terrain_lod.curved.semi_uniform import semi_uniform
+from terrain_lod.drawing.pattern_pictures import save_animation, save_pattern
 from terrain_lod.tessellator import tessellate
 
 PARTITIONINGS = ("integer", "pow2", "fractional_odd", "fractional_even")

@@ -13,7 +13,7 @@ from grounds import holed, rough
 
 import terrain_lod as tl
 from terrain_lod.cli import run
-from terrain_lod.report.compare import compare_all
+from terrain_lod.report.compare_all import compare_all
 from terrain_lod.report.compare_peers import PEERS, Peer, uniform_grid
 from terrain_lod.report.compare_sweep import Contender, contenders, installed, tolerances
 from terrain_lod.report.compare_trials import Course, Result
@@ -141,8 +141,10 @@ def test_a_better_peer_is_not_hidden(promised: Result) -> None:
 def test_report_is_the_same_every_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # fewer settings: each is as good as another here
     sweep = [each for each in contenders(GROUND, 15) if each.parameter in (1.0, 2.0, 15.0)]
-    monkeypatch.setattr("terrain_lod.report.compare.contenders", lambda ground, tile: sweep)
-    monkeypatch.setattr("terrain_lod.report.compare.graphics_problem", lambda: "no pictures here")
+    monkeypatch.setattr("terrain_lod.report.compare_all.contenders", lambda ground, tile: sweep)
+    monkeypatch.setattr(
+        "terrain_lod.report.compare_all.graphics_problem", lambda: "no pictures here"
+    )
     steps: list[tuple[int, int]] = []
     first, second = (
         compare_all(
@@ -194,7 +196,7 @@ def test_command_compares(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     sweep = [each for each in contenders(GROUND, 15) if each.parameter == 1.0]
-    monkeypatch.setattr("terrain_lod.report.compare.contenders", lambda ground, tile: sweep)
+    monkeypatch.setattr("terrain_lod.report.compare_all.contenders", lambda ground, tile: sweep)
     np.save(tmp_path / "hills.npy", GROUND.heights)
     out = tmp_path / "out"
     tokens = ["report", str(tmp_path / "hills.npy"), "--compare", "--views", "1", "-o", str(out)]

@@ -61,7 +61,7 @@ ROOMS = {
     ),
     # many meshes to a page, or to a window
     "reports": (
-        "report* viewer viewer.* cli.demo",
+        "report* viewer viewer.* cli.demonstration",
         "values files meshes reference device stages chains sinks",
     ),
     # know everything; nothing imports them

@@ -46,7 +46,7 @@ PROGRAM = """
 import os, sys
 from pathlib import Path
 import numpy as np
-from terrain_lod import sources
+from terrain_lod.opencl import sources
 from terrain_lod.device import Device
 
 sources.KERNELS = Path(sys.argv[1])

@@ -22,6 +22,7 @@ from .cli_flyover import PathOptions
 from .cli_pattern import pattern
 from .cli_report import report
 from .cli_smooth import smooth
+from .cli_view import view
 from .options import (
     CameraOptions,
     DetailOptions,
@@ -34,7 +35,6 @@ from .options import (
     TerrainOptions,
 )
 from .output import PROGRAM, complain, log, progress_bar, say, say_table, set_verbosity, warn
-from .view import view
 
 REFUSED: Final = 2
 INTERRUPTED: Final = 130
@@ -74,7 +74,7 @@ def demo(
     output
         Folder to write, made if it is not there.
     """
-    from .demo import make_demo
+    from .demonstration import make_demo
 
     heights = GroundOptions().load(ground)
     with progress_bar("making the demo") as progress:

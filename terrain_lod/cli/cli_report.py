@@ -98,7 +98,7 @@ def _write_pair(
 def _write_comparison(
     heights: Heightmap, output: Path, terrain: TerrainOptions, views: int
 ) -> None:
-    from ..report.compare import compare_all
+    from ..report.compare_all import compare_all
 
     with progress_bar("comparing") as progress:
         made = compare_all(

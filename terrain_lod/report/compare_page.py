@@ -14,7 +14,7 @@ from .html import card, figure, listing, paragraph, row_of_figures, section
 from .page import css_ramp
 
 if TYPE_CHECKING:
-    from .compare import SweepReport
+    from .compare_all import SweepReport
 
 _HEADS: Final = (
     "",
