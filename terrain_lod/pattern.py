@@ -62,6 +62,12 @@ class Pattern:
             line_offsets=offsets if lined else nothing,
         )
 
+    @classmethod
+    def of_nothing(cls, domain: str, partitioning: str, corners: int) -> Pattern:
+        """Return the pattern of no patches, whose primitives would have so many corners."""
+        points, primitives = np.empty((0, 2), np.uint32), np.empty((0, corners), np.int32)
+        return cls.of(domain, partitioning, points, primitives, np.zeros(1), np.zeros(1))
+
     @property
     def primitives(self) -> npt.NDArray[np.int32]:
         """Triangles, or lines in the isoline domain."""
@@ -98,3 +104,14 @@ class DevicePattern:
     primitives: Any
     point_offsets: Any
     primitive_offsets: Any
+
+    def host(self, domain: str, partitioning: str) -> Pattern:
+        """Bring the pattern down."""
+        return Pattern.of(
+            domain,
+            partitioning,
+            self.points.host(),
+            self.primitives.host(),
+            self.point_offsets.host(),
+            self.primitive_offsets.host(),
+        )

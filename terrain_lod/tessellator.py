@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from typing import Final
 
-import numpy as np
 import numpy.typing as npt
 
 from .arguments import one_of
@@ -69,10 +68,7 @@ def tessellate(
     edges, insides = checked_factors(domain, edge_factors, inside_factors, partitioning)
     one_of("topology", topology, TOPOLOGIES)
     if len(edges) == 0:
-        nothing = np.empty((0, DOMAINS[domain].corners), np.int32)
-        return Pattern.of(
-            domain, partitioning, np.empty((0, 2), np.uint32), nothing, np.zeros(1), np.zeros(1)
-        )
+        return Pattern.of_nothing(domain, partitioning, DOMAINS[domain].corners)
     device = device or Device.open()
     pattern = tessellate_device(
         domain,
@@ -81,14 +77,7 @@ def tessellate(
         partitioning,
         clockwise=topology == "clockwise",
     )
-    return Pattern.of(
-        domain,
-        partitioning,
-        pattern.points.host(),
-        pattern.primitives.host(),
-        pattern.point_offsets.host(),
-        pattern.primitive_offsets.host(),
-    )
+    return pattern.host(domain, partitioning)
 
 
 def tessellate_device(
@@ -113,8 +102,7 @@ def tessellate_device(
     Raises
     ------
     InputError, DeviceMemoryError
-        If there would be too many indices, or too many bytes; neither points nor primitives are
-        allocated then.
+        If there would be too many indices or bytes; nothing of the pattern is allocated then.
     """
     device, patches = edge_factors.device, edge_factors.shape[0]
     factors: dict[str, object] = {
@@ -136,11 +124,10 @@ def tessellate_device(
     # where to
     point_offsets, point_count = exclusive_scan(point_counts)
     primitive_offsets, primitive_count = exclusive_scan(primitive_counts)
-    points, primitives = room_for_pattern(
-        device, patches, point_count, primitive_count, DOMAINS[domain].corners
-    )
+    corners = DOMAINS[domain].corners
+    points, primitives = room_for_pattern(device, patches, point_count, primitive_count, corners)
     # which
-    if DOMAINS[domain].corners == 3:
+    if corners == 3:
         factors["clockwise"] = clockwise
     items = _ITEMS if device.is_gpu else (1, 1)
     device.kernel("tessellator.cl", f"{domain}_fill")(

@@ -88,23 +88,14 @@ def semi_uniform(
     checked, maximum = _checked(levels, maximum)
     one_of("topology", topology, TOPOLOGIES)
     if len(checked) == 0:
-        nothing = np.empty((0, 3), np.int32)
-        points = np.empty((0, 2), np.uint32)
-        return Pattern.of("triangle", "semi_uniform", points, nothing, np.zeros(1), np.zeros(1))
+        return Pattern.of_nothing("triangle", "semi_uniform", corners=3)
     pattern = semi_uniform_device(
         (device or Device.open()).array(checked),
         maximum=maximum,
         keep_degenerate=keep_degenerate,
         clockwise=topology == "clockwise",
     )
-    return Pattern.of(
-        "triangle",
-        "semi_uniform",
-        pattern.points.host(),
-        pattern.primitives.host(),
-        pattern.point_offsets.host(),
-        pattern.primitive_offsets.host(),
-    )
+    return pattern.host("triangle", "semi_uniform")
 
 
 def semi_uniform_device(
