@@ -18,6 +18,7 @@
 //
 // Built with: TILE cells, LEVELS of the ladder, LANES (1 or 8).
 #include "common.h"
+#include "levels.h"
 
 // each lane rounds by itself: nothing is shared with another stage to the bit
 #pragma OPENCL FP_CONTRACT ON
@@ -37,13 +38,6 @@ typedef float Real;
 #define SET_LANE(real, lane, value) (real) = (value)
 #define LANE(real, lane) (real)
 #endif
-
-// the factor of a level: 1, 3, 5, ...; a tile of fewer cells stops at its cells
-inline int factor_of(int level, int cells)
-{
-    const int factor = 2 * level + 1;
-    return factor < cells ? factor : cells;
-}
 
 // where the samples of a line of cells lie in a lattice of f segments
 typedef struct {

@@ -8,18 +8,13 @@
 //   tighten          after the finished mesh has been measured: tiles that exceed get less
 //
 // Built with: LEVELS of the ladder; EDGE_RULE, EDGES_BY_ERROR, EDGES_MIN or EDGES_MAX.
+#include "levels.h"
 #include "neighbour.h"
 #include "screen.h"
 
 #define EDGES_BY_ERROR 0
 #define EDGES_MIN 1
 #define EDGES_MAX 2
-
-inline int factor_of(int level, int cells)
-{
-    const int factor = 2 * level + 1;
-    return factor < cells ? factor : cells;
-}
 
 inline void put_factor(__global float *place, float factor, __global uchar *changed)
 {

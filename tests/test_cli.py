@@ -435,5 +435,15 @@ def test_reader_that_leaves_early_is_no_error():
 
 
 def test_every_command_is_in_the_modules_first_line():
-    for name in ("demo", "render", "mesh", "report", "samples", "doctor"):
+    for name in [
+        "demo",
+        "render",
+        "mesh",
+        "report",
+        "view",
+        "smooth",
+        "pattern",
+        "samples",
+        "doctor",
+    ]:
         assert name in (cli.__doc__ or "").splitlines()[0]

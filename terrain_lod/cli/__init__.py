@@ -1,4 +1,4 @@
-"""The command line: ``terrain-lod demo | render | mesh | report | samples | doctor | view``.
+"""The command line: demo, render, mesh, report, view, smooth, pattern, samples, doctor.
 
 Exit codes: 0 done, 2 refused with one line on stderr, 130 interrupted.
 """
