@@ -19,8 +19,8 @@
 // turns into vectors (analysis_rows.h); on a GPU each of GROUP items takes every GROUP-th sample
 // (analysis_group.h). Tiles that are not ordinary go the long way round (analysis_any.h).
 //
-// Built with: TILE cells, GROUP items, CORNERS and MASKED (0 or 1).
-#include "common.h"
+// Built with: TILE cells, GROUP items, CORNERS (0 or 1), what ground.h is built with.
+#include "tile_samples.h"
 #include "reduce.h"
 
 // no two tiles must agree to the bit here
@@ -28,8 +28,8 @@
 
 // where a tile's heights are, and how they are scaled to keep their squares within float's range
 typedef struct {
-    __global const float *heights;  // of the tile's first sample
-    __global const uchar *holes;
+    TILE_MEMORY const float *heights;   // of the tile's first sample
+    TILE_MEMORY const uchar *holes;
     int stride, rows, columns;      // in samples
     float centre_x, centre_y;       // of the tile, in cells
     float scale;                    // a power of two
@@ -115,12 +115,11 @@ inline float3 world_normal(const Plane plane, float scale, Grid grid)
     return normal / sqrt(normal.x * normal.x + normal.y * normal.y + normal.z * normal.z);
 }
 
-inline Samples tile_samples(Grid grid, int index, __global const float *heights,
-                            __global const uchar *holes)
+inline Samples samples_of(const Ground ground, int index, __local TileStore *store)
 {
-    const Tile tile = tile_at(grid, index);
-    const size_t first = sample_index(grid, tile.row, tile.column);
-    Samples samples = {heights + first, holes + first, grid.columns,
+    const Tile tile = tile_at(ground.grid, index);
+    const TileSamples at = tile_samples(ground, tile, store);
+    Samples samples = {at.heights, at.holes, at.stride,
                        tile.cells_down + 1, tile.cells_across + 1,
                        0.5f * tile.cells_across, 0.5f * tile.cells_down, 1.0f, 0.0f};
     return samples;
@@ -151,18 +150,21 @@ inline Fit fit_tile(Grid grid, Samples tile, __local float *scratch)
 __kernel void analysis(const Grid grid,
                        __global const float *heights,  // (R, C)
                        __global const uchar *holes,    // (R, C) where MASKED
+                       __global const float *detail_heights,  // where DETAIL
                        const int count,
                        __global const int *tiles,      // (count,) to analyse; others keep theirs
                        __global float4 *planes,        // (TR, TC) unit normal, height at the centre
                        __global float4 *details,       // (TR, TC) deviation, minimum, maximum, holes
                        __local float *scratch)         // GROUP * 6
 {
+    __local TileStore store;
+    const Ground ground = {grid, heights, holes, detail_heights};
     // groups share the tiles in runs
     const int run = (count + get_num_groups(0) - 1) / get_num_groups(0);
     const int first = get_group_id(0) * run;
     for (int i = first; i < min(first + run, count); ++i) {
         const int index = tiles[i];
-        const Fit fit = fit_tile(grid, tile_samples(grid, index, heights, holes), scratch);
+        const Fit fit = fit_tile(grid, samples_of(ground, index, &store), scratch);
         if (get_local_id(0) != 0)
             continue;
         // phase 5; a tile without data has no plane: NaN says so

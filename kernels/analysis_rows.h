@@ -41,8 +41,8 @@ inline int block_column(int block)
 
 inline Lanes block_of_row(const Samples tile, int row, int block)
 {
-    return *(__global const Lanes *)(tile.heights + (size_t)row * tile.stride
-                                     + block_column(block));
+    return *(TILE_MEMORY const Lanes *)(tile.heights + (size_t)row * tile.stride
+                                        + block_column(block));
 }
 
 // 1 in lanes that no earlier block holds

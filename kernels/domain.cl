@@ -9,7 +9,7 @@
 //       tile A, u = 65536         |  split into the cell and a fraction 0 .. 65535:
 //       tile B, u = 0             |  both read (cell 15, fraction 0)
 //
-// Built with: GROUP work-items a patch, MASKED (0 or 1).
+// Built with: GROUP work-items a patch, what ground.h is built with.
 #include "gradient.h"
 
 inline float cells_along(Coordinate c)
@@ -46,13 +46,14 @@ inline float2 gradient_between(const Ground ground, Coordinate column, Coordinat
 __kernel void domain(const Grid grid,
                      __global const float *heights,         // (R, C)
                      __global const uchar *holes,           // (R, C) where MASKED
+                     __global const float *detail_heights,  // where DETAIL
                      const int patches,
                      __global const uint *point_offsets,    // (P + 1,)
                      __global const uint2 *points,          // (N,) u, v in 16.16
                      __global float *positions,             // (N, 3)
                      __global float *normals)               // (N, 3)
 {
-    const Ground ground = {grid, heights, holes};
+    const Ground ground = {grid, heights, holes, detail_heights};
     const int run = (patches + get_num_groups(0) - 1) / get_num_groups(0);
     const int first = get_group_id(0) * run;
     for (int patch = first; patch < min(first + run, patches); ++patch) {

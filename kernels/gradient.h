@@ -16,10 +16,7 @@
 inline bool has_sample(const Ground ground, int row, int column)
 {
     return row >= 0 && row < ground.grid.rows && column >= 0 && column < ground.grid.columns
-#if MASKED
-        && !ground.holes[sample_index(ground.grid, row, column)]
-#endif
-        ;
+        && sample_has_data(ground, row, column);
 }
 
 // Add a weighted difference a cell along (row_step, column_step) at one sample.
@@ -54,21 +51,32 @@ inline float2 sample_gradient(const Ground ground, int row, int column)
                     south_weights > 0.0f ? -south / (south_weights * ground.grid.dy) : 0.0f);
 }
 
-// four samples of a row, at any address
+// four floats at any address
 typedef float4 Samples4 __attribute__((aligned(4)));
+
+// four samples of a row, from here on
+inline float4 four_samples(const Ground ground, int row, int column)
+{
+#if DETAIL
+    return (float4)(sample_height(ground, row, column), sample_height(ground, row, column + 1),
+                    sample_height(ground, row, column + 2), sample_height(ground, row, column + 3));
+#else
+    return *(__global const Samples4 *)(ground.heights + sample_index(ground.grid, row, column));
+#endif
+}
 
 // Return true where the 4 x 4 samples around a cell all have data.
 inline bool is_inner_cell(const Ground ground, int row, int column)
 {
     if (row < 1 || row >= ground.grid.rows - 2 || column < 1 || column >= ground.grid.columns - 2)
         return false;
-    uchar holes = 0;
+    bool whole = true;
 #if MASKED
     for (int down = -1; down <= 2; ++down)
         for (int across = -1; across <= 2; ++across)
-            holes |= ground.holes[sample_index(ground.grid, row + down, column + across)];
+            whole &= sample_has_data(ground, row + down, column + across);
 #endif
-    return !holes;
+    return whole;
 }
 
 // In an inner cell: the gradients of the four samples around, blended, from 4 x 4 samples.
@@ -81,12 +89,10 @@ inline bool is_inner_cell(const Ground ground, int row, int column)
 //     each an eighth of that, so that no sum is larger than a difference
 inline float2 inner_gradient(const Ground ground, int row, int column, float x, float y)
 {
-    const size_t stride = ground.grid.columns;
-    __global const float *corner = ground.heights + sample_index(ground.grid, row - 1, column - 1);
-    const float4 a = *(__global const Samples4 *)corner;
-    const float4 b = *(__global const Samples4 *)(corner + stride);
-    const float4 c = *(__global const Samples4 *)(corner + 2 * stride);
-    const float4 d = *(__global const Samples4 *)(corner + 3 * stride);
+    const float4 a = four_samples(ground, row - 1, column - 1);
+    const float4 b = four_samples(ground, row, column - 1);
+    const float4 c = four_samples(ground, row + 1, column - 1);
+    const float4 d = four_samples(ground, row + 2, column - 1);
     const float eighth = 0.125f;
     const float2 eastward = eighth * (1.0f - y) * (a.zw - a.xy) + eighth * (2.0f - y) * (b.zw - b.xy)
                           + eighth * (1.0f + y) * (c.zw - c.xy) + eighth * y * (d.zw - d.xy);

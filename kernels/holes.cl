@@ -9,7 +9,8 @@
 //          +---+---o---+              triangles of the cells around the x stay, whole
 //          |   | x | x |
 //          +---+---+---+
-#include "coordinate.h"
+// Built with: what ground.h is built with, MASKED being 1.
+#include "ground.h"
 
 // corners in 1/65536 of a cell from the tile's first sample, x east, y south
 typedef struct {
@@ -35,6 +36,12 @@ inline long side_of(const Triangle t, int i, int x, int y)
     return (long)(t.x[j] - t.x[i]) * (y - t.y[i]) - (long)(t.y[j] - t.y[i]) * (x - t.x[i]);
 }
 
+inline bool cell_has_data(const Ground ground, int row, int column)
+{
+    return sample_has_data(ground, row, column) & sample_has_data(ground, row, column + 1)
+         & sample_has_data(ground, row + 1, column) & sample_has_data(ground, row + 1, column + 1);
+}
+
 // Return true where some edge of the triangle has the whole cell on its outer side.
 inline bool apart(const Triangle t, long area, int column, int row)
 {
@@ -52,7 +59,7 @@ inline bool apart(const Triangle t, long area, int column, int row)
     return false;
 }
 
-inline bool is_kept(Grid grid, Tile tile, __global const uchar *holes, const Triangle t)
+inline bool is_kept(const Ground ground, const Tile tile, const Triangle t)
 {
     const long area = side_of(t, 0, t.x[2], t.y[2]);
     // a triangle without an area covers nothing
@@ -62,10 +69,8 @@ inline bool is_kept(Grid grid, Tile tile, __global const uchar *holes, const Tri
     const int north = min(t.y[0], min(t.y[1], t.y[2])), south = max(t.y[0], max(t.y[1], t.y[2]));
     for (int row = north >> FIXED_BITS; row << FIXED_BITS < south; ++row)
         for (int column = west >> FIXED_BITS; column << FIXED_BITS < east; ++column) {
-            const size_t sample = sample_index(grid, tile.row + row, tile.column + column);
-            const uchar without = holes[sample] | holes[sample + 1]
-                                | holes[sample + grid.columns] | holes[sample + grid.columns + 1];
-            if (without && !apart(t, area, column, row))
+            if (!cell_has_data(ground, tile.row + row, tile.column + column)
+                && !apart(t, area, column, row))
                 return false;
         }
     return true;
@@ -73,7 +78,9 @@ inline bool is_kept(Grid grid, Tile tile, __global const uchar *holes, const Tri
 
 // How many triangles of each patch stay; a work-item a patch.
 __kernel void count_kept(const Grid grid,
+                         __global const float *heights,              // (R, C)
                          __global const uchar *holes,                // (R, C)
+                         __global const float *detail_heights,       // where DETAIL
                          __global const float4 *details,             // (P,) .w: samples without data
                          __global const uint2 *points,
                          __global const uint *triangle_offsets,      // (P + 1,)
@@ -84,12 +91,13 @@ __kernel void count_kept(const Grid grid,
     const int patch = get_global_id(0);
     if (patch >= tile_count(grid))
         return;
+    const Ground ground = {grid, heights, holes, detail_heights};
     const Tile tile = tile_at(grid, patch);
     const Ruler across = ruler_of(tile.cells_across), down = ruler_of(tile.cells_down);
     const bool whole = details[patch].w == 0.0f;
     uint count = 0;
     for (uint i = triangle_offsets[patch]; i < triangle_offsets[patch + 1]; ++i) {
-        const bool keep = whole || is_kept(grid, tile, holes,
+        const bool keep = whole || is_kept(ground, tile,
             triangle_at(across, down, points, triangles + 3 * i));
         kept[i] = keep;
         count += keep;

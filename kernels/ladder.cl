@@ -16,8 +16,8 @@
 // LANES tiles of equal size are measured side by side, lane by lane the same arithmetic: that is
 // what makes a CPU's vector unit busy. A GPU takes one tile an item and shares out the factors.
 //
-// Built with: TILE cells, LEVELS of the ladder, LANES (1 or 8).
-#include "common.h"
+// Built with: TILE cells, LEVELS of the ladder, LANES (1 or 8), what ground.h is built with.
+#include "ground.h"
 #include "levels.h"
 
 // each lane rounds by itself: nothing is shared with another stage to the bit
@@ -139,6 +139,8 @@ inline Real lattice_error(const Real *heights, const Real *columns, const Axis *
 
 __kernel void ladder(const Grid grid,
                      __global const float *heights,         // (R, C)
+                     __global const uchar *holes,           // (R, C) where MASKED
+                     __global const float *detail_heights,  // where DETAIL
                      __global const float4 *details,        // (P,) .w: samples without data
                      __global const int *groups,            // (G, LANES) tiles of equal size
                      const int group_count,
@@ -148,6 +150,7 @@ __kernel void ladder(const Grid grid,
     if (group >= group_count)
         return;
     __global const int *tiles = groups + group * LANES;
+    const Ground ground = {grid, heights, holes, detail_heights};
     const Tile first = tile_at(grid, tiles[0]);
     Real samples[WIDTH * WIDTH], columns[WIDTH * WIDTH];
     for (int lane = 0; lane < LANES; ++lane) {
@@ -155,7 +158,7 @@ __kernel void ladder(const Grid grid,
         for (int row = 0; row <= tile.cells_down; ++row)
             for (int column = 0; column <= tile.cells_across; ++column)
                 SET_LANE(samples[row * WIDTH + column], lane,
-                         heights[sample_index(grid, tile.row + row, tile.column + column)]);
+                         sample_height(ground, tile.row + row, tile.column + column));
     }
     for (int level_u = get_global_id(1); level_u < LEVELS; level_u += get_global_size(1)) {
         const int fu = factor_of(level_u, first.cells_across);
@@ -181,6 +184,8 @@ __kernel void edge_ladder(const Grid grid, const int vertical,
                           const int count,
                           __global const int *edges,        // (count,) to measure
                           __global const float *heights,    // (R, C)
+                          __global const uchar *holes,      // (R, C) where MASKED
+                          __global const float *detail_heights,     // where DETAIL
                           __global float *errors)           // (edges, LEVELS)
 {
     // edges that run across: (TR + 1, TC); edges that run down: (TR, TC + 1)
@@ -193,8 +198,11 @@ __kernel void edge_ladder(const Grid grid, const int vertical,
     const int row = tile_row(grid, tile_r), column = tile_column(grid, tile_c);
     const int cells = vertical ? tile_row(grid, tile_r + 1) - row
                                : tile_column(grid, tile_c + 1) - column;
-    const size_t stride = vertical ? grid.columns : 1;
-    __global const float *line = heights + sample_index(grid, row, column);
+    const Ground ground = {grid, heights, holes, detail_heights};
+    float line[WIDTH];
+    for (int s = 0; s <= cells; ++s)
+        line[s] = vertical ? sample_height(ground, row + s, column)
+                           : sample_height(ground, row, column + s);
     for (int level = 0; level < LEVELS; ++level) {
         const int f = factor_of(level, cells);
         const Axis axis = lattice_axis(f, cells);
@@ -205,12 +213,12 @@ __kernel void edge_ladder(const Grid grid, const int vertical,
                 const int point = axis.cell[s] + k;
                 const int sample = point * cells / f;
                 const float fraction = (float)(point * cells - sample * f) / f;
-                const float here = line[sample * stride];
-                const float next = line[(sample < cells ? sample + 1 : sample) * stride];
+                const float here = line[sample];
+                const float next = line[sample < cells ? sample + 1 : sample];
                 end[k] = here + (next - here) * fraction;
             }
             const float z = end[0] + (end[1] - end[0]) * axis.fraction[s];
-            const float difference = ABSOLUTE(z - line[s * stride]);
+            const float difference = ABSOLUTE(z - line[s]);
             error = LARGER(difference, error);
         }
         errors[edge * LEVELS + level] = error;

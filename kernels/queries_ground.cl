@@ -11,17 +11,12 @@
 // that the ray is on is kept: where it is another at the next cell's border, the ray has passed
 // through that border. A cell has a surface where all of its four samples have data.
 //
-// Built with: MASKED (0 or 1); NEAR, cells within which a point is on a sample.
+// Built with: NEAR, cells within which a point is on a sample; what ground.h is built with.
+#include "ground.h"
 #include "queries_walk.h"
 
 // relative spacing of 64-bit floats
 #define DOUBLE 0x1p-52
-
-typedef struct {
-    Grid grid;
-    __global const float *heights;      // (R, C)
-    __global const uchar *holes;        // (R, C) where MASKED
-} Raster;
 
 // what the surface of a cell is made of
 typedef struct {
@@ -38,14 +33,9 @@ inline double in_cells(double value, double origin, double step)
     return fabs(cells - whole) <= near ? whole : cells;
 }
 
-inline double raster_height(const Raster raster, int row, int column)
+inline double known_height(const Ground ground, int row, int column)
 {
-    const size_t sample = sample_index(raster.grid, row, column);
-#if MASKED
-    if (raster.holes[sample])
-        return NAN;
-#endif
-    return raster.heights[sample];
+    return sample_has_data(ground, row, column) ? sample_height(ground, row, column) : NAN;
 }
 
 inline double mix_known(double a, double b, double t)
@@ -59,13 +49,14 @@ __kernel void ground_heights(const Grid grid, const int count,
                              const double dx, const double dy,
                              __global const float *heights,     // (R, C)
                              __global const uchar *holes,       // (R, C) where MASKED
+                             __global const float *detail_heights,  // where DETAIL
                              __global const double *points,     // (N, 2) in the world
                              __global double *found)            // (N,) NaN where there is none
 {
     const int i = get_global_id(0);
     if (i >= count)
         return;
-    const Raster raster = {grid, heights, holes};
+    const Ground ground = {grid, heights, holes, detail_heights};
     const double x = in_cells(points[2 * i], x0, dx), y = in_cells(points[2 * i + 1], y0, -dy);
     if (!(x >= 0.0 && x <= grid.columns - 1 && y >= 0.0 && y <= grid.rows - 1)) {
         found[i] = NAN;
@@ -74,19 +65,19 @@ __kernel void ground_heights(const Grid grid, const int count,
     const int column = (int)x, row = (int)y;
     const double a = x - column, b = y - row;
     const int right = column + (a > 0.0), below = row + (b > 0.0);
-    const double upper = mix_known(raster_height(raster, row, column),
-                                   raster_height(raster, row, right), a);
-    const double lower = mix_known(raster_height(raster, below, column),
-                                   raster_height(raster, below, right), a);
+    const double upper = mix_known(known_height(ground, row, column),
+                                   known_height(ground, row, right), a);
+    const double lower = mix_known(known_height(ground, below, column),
+                                   known_height(ground, below, right), a);
     found[i] = base + mix_known(upper, lower, b);
 }
 
-inline Cell cell_at(const Raster raster, int row, int column)
+inline Cell cell_at(const Ground ground, int row, int column)
 {
-    const double z00 = raster_height(raster, row, column);
-    const double z10 = raster_height(raster, row, column + 1);
-    const double z01 = raster_height(raster, row + 1, column);
-    const double z11 = raster_height(raster, row + 1, column + 1);
+    const double z00 = known_height(ground, row, column);
+    const double z10 = known_height(ground, row, column + 1);
+    const double z01 = known_height(ground, row + 1, column);
+    const double z11 = known_height(ground, row + 1, column + 1);
     const Cell cell = {z00, z10 - z00, z01 - z00, (z00 - z10) - (z01 - z11)};
     return cell;
 }
@@ -146,7 +137,7 @@ inline double cast_in_cell(const Cell cell, const Ray ray, int row, int column, 
 }
 
 // Walk the cells of a tile; return t of the first hit or NaN, and the cell that it is in.
-inline double cast_in_tile(const Raster raster, const Tile tile, const Ray ray, double enter,
+inline double cast_in_tile(const Ground ground, const Tile tile, const Ray ray, double enter,
                            double leave, int *side, int2 *hit_cell)
 {
     int column = cell_of(at(ray.origin.x, ray.direction.x, enter), tile.column, tile.cells_across);
@@ -157,7 +148,7 @@ inline double cast_in_tile(const Raster raster, const Tile tile, const Ray ray, 
         const double cross_x = next_line(ray.origin.x, ray.direction.x, column, column + 1);
         const double cross_y = next_line(ray.origin.y, ray.direction.y, row, row + 1);
         const double out = fmax(t, fmin(fmin(cross_x, cross_y), leave));
-        const double hit = cast_in_cell(cell_at(raster, row, column), ray, row, column, t, out,
+        const double hit = cast_in_cell(cell_at(ground, row, column), ray, row, column, t, out,
                                         side);
         if (!isnan(hit)) {
             *hit_cell = (int2)(column, row);
@@ -179,10 +170,10 @@ inline int tile_of(double coordinate, int tile, int tiles, int last)
 }
 
 // Walk the tiles; return t of the first hit or NaN, and where it is.
-inline double cast_ray(const Raster raster, const Ray ray, __global const float4 *details,
+inline double cast_ray(const Ground ground, const Ray ray, __global const float4 *details,
                        int *hit_tile, int2 *hit_cell)
 {
-    const Grid grid = raster.grid;
+    const Grid grid = ground.grid;
     double t = 0.0, end = INFINITY;
     clip_axis(ray.origin.x, ray.direction.x, 0.0, grid.columns - 1, &t, &end);
     clip_axis(ray.origin.y, ray.direction.y, 0.0, grid.rows - 1, &t, &end);
@@ -219,7 +210,7 @@ inline double cast_ray(const Raster raster, const Ray ray, __global const float4
         else if (isnan(minimum))
             side = 0;
         else {
-            const double hit = cast_in_tile(raster, tile, ray, t, out, &side, hit_cell);
+            const double hit = cast_in_tile(ground, tile, ray, t, out, &side, hit_cell);
             if (!isnan(hit)) {
                 *hit_tile = index;
                 return hit;
@@ -239,6 +230,7 @@ __kernel void ground_rays(const Grid grid, const int count,
                           const double dx, const double dy,
                           __global const float *heights,        // (R, C)
                           __global const uchar *holes,          // (R, C) where MASKED
+                          __global const float *detail_heights, // where DETAIL
                           __global const float4 *details,       // (P,)
                           __global const double *origins,       // (N, 3) in the world
                           __global const double *directions,    // (N, 3)
@@ -249,7 +241,7 @@ __kernel void ground_rays(const Grid grid, const int count,
     const int i = get_global_id(0);
     if (i >= count)
         return;
-    const Raster raster = {grid, heights, holes};
+    const Ground ground = {grid, heights, holes, detail_heights};
     const double3 origin = vload3(i, origins), direction = vload3(i, directions);
     Ray ray;
     ray.origin = (double3)(in_cells(origin.x, x0, dx), in_cells(origin.y, y0, -dy),
@@ -257,12 +249,12 @@ __kernel void ground_rays(const Grid grid, const int count,
     ray.direction = (double3)(direction.x / dx, -direction.y / dy, direction.z);
     int tile = -1;
     int2 place = (int2)(0, 0);
-    const double t = cast_ray(raster, ray, details, &tile, &place);
+    const double t = cast_ray(ground, ray, details, &tile, &place);
     ts[i] = t;
     tiles[i] = tile;
     double3 normal = (double3)(NAN, NAN, NAN);
     if (!isnan(t)) {
-        const Cell cell = cell_at(raster, place.y, place.x);
+        const Cell cell = cell_at(ground, place.y, place.x);
         const double a = at(ray.origin.x, ray.direction.x, t) - place.x;
         const double b = at(ray.origin.y, ray.direction.y, t) - place.y;
         normal = normalize((double3)(-(cell.east + cell.twist * b) / dx,

@@ -8,8 +8,8 @@
 //     .   \   o
 //     *----- *
 //
-// Built with: GROUP work-items a patch, MASKED (0 or 1).
-#include "ground.h"
+// Built with: TILE cells, GROUP work-items a patch, what ground.h is built with.
+#include "tile_samples.h"
 #include "reduce.h"
 
 // library functions are calls on a CPU: in the inner loops, these
@@ -60,7 +60,7 @@ inline float rounding_of_places(const Triangle *t, float inverse, float cells)
     return moved < tallest ? moved : tallest;
 }
 
-inline float triangle_error(const Ground ground, Tile tile, const Triangle *t)
+inline float triangle_error(const TileSamples samples, Tile tile, const Triangle *t)
 {
     const long area = side_of(t, 0, 1, t->x[2], t->y[2]);
     if (area == 0)
@@ -73,8 +73,7 @@ inline float triangle_error(const Ground ground, Tile tile, const Triangle *t)
     const int right = greatest(t->x[0], t->x[1], t->x[2]) >> FIXED_BITS;
     float error = -1.0f;
     for (int row = ceil_cell(least(t->y[0], t->y[1], t->y[2])); row <= bottom; ++row) {
-        __global const float *heights =
-            ground.heights + sample_index(ground.grid, tile.row + row, tile.column);
+        TILE_MEMORY const float *heights = samples.heights + (size_t)row * samples.stride;
         const int y = row << FIXED_BITS;
         // weights of corners 1 and 2, and how they change from one sample to the next
         long weight1 = sign * side_of(t, 2, 0, left << FIXED_BITS, y);
@@ -83,7 +82,7 @@ inline float triangle_error(const Ground ground, Tile tile, const Triangle *t)
         const long step2 = -sign * (long)(t->y[1] - t->y[0]) * FIXED_ONE;
         for (int column = left; column <= right; ++column, weight1 += step1, weight2 += step2) {
 #if MASKED
-            if (ground.holes[sample_index(ground.grid, tile.row + row, tile.column + column)])
+            if (samples.holes[(size_t)row * samples.stride + column])
                 continue;
 #endif
             // a corner has its own height, to the bit: full resolution has no error at all; else
@@ -126,6 +125,7 @@ inline bool shows_all_samples(Tile tile, Ruler across, Ruler down, __global cons
 __kernel void tile_error(const Grid grid,
                          __global const float *heights,             // (R, C)
                          __global const uchar *holes,               // (R, C) where MASKED
+                         __global const float *detail_heights,      // where DETAIL
                          const int patches,
                          __global const uchar *changed,             // (P,) others keep their error
                          __global const uint *point_offsets,        // (P + 1,)
@@ -137,7 +137,8 @@ __kernel void tile_error(const Grid grid,
                          __global float *errors,                    // (P,)
                          __local float *scratch)                    // GROUP
 {
-    const Ground ground = {grid, heights, holes};
+    __local TileStore store;
+    const Ground ground = {grid, heights, holes, detail_heights};
     const int run = (patches + get_num_groups(0) - 1) / get_num_groups(0);
     const int first = get_group_id(0) * run;
     for (int patch = first; patch < min(first + run, patches); ++patch) {
@@ -163,6 +164,7 @@ __kernel void tile_error(const Grid grid,
                                               global_coordinate(tile.row, offset.y));
         }
         barrier(CLK_GLOBAL_MEM_FENCE);
+        const TileSamples samples = tile_samples(ground, tile, &store);
         float error = 0.0f;
         for (uint i = triangle_offsets[patch] + get_local_id(0); i < triangle_offsets[patch + 1];
              i += GROUP) {
@@ -173,7 +175,7 @@ __kernel void tile_error(const Grid grid,
                 t.y[corner] = offsets[point].y;
                 t.z[corner] = point_heights[point];
             }
-            const float found = triangle_error(ground, tile, &t);
+            const float found = triangle_error(samples, tile, &t);
             error = LARGER(found, error);
         }
         error = group_max(error, scratch);

@@ -13,6 +13,7 @@ from .buffers import DeviceAnalysis, DeviceGround
 from .device import Device
 from .grid import TileGrid
 from .heightmap import Heightmap
+from .relief import Relief
 
 PLANES: Final = ("least_squares", "corners")
 
@@ -102,7 +103,7 @@ def analyse(
     """
     grid = TileGrid.of(ground, tile)
     one_of("plane", plane, PLANES)
-    uploaded = DeviceGround.upload(ground, device or Device.open())
+    uploaded = DeviceGround.upload(Relief(ground), device or Device.open())
     return TileAnalysis.of(grid, analyse_on_device(uploaded, grid, plane=plane))
 
 
@@ -136,7 +137,7 @@ def analyse_tiles(
         TILE=grid.tile,
         GROUP=group,
         CORNERS=int(corners),
-        MASKED=int(ground.masked),
+        **ground.defines,
     )
     # a tile a group on a GPU; on a CPU launching a group costs as much as a tile
     groups = len(tiles) if device.is_gpu else min(len(tiles), 256)
@@ -144,8 +145,7 @@ def analyse_tiles(
         (groups * group,),
         (group,),
         grid=grid.record(),
-        heights=ground.heights,
-        holes=ground.holes,
+        **ground.arguments,
         count=len(tiles),
         tiles=device.array(tiles),
         planes=analysis.planes,

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from .device import Device, DeviceArray
 from .heightmap import Heightmap
+from .relief import Relief
 
 
 @dataclass(frozen=True, eq=False)
 class DeviceGround:
-    """A heightmap.
+    """A heightmap, and what is laid over it.
 
     Attributes
     ----------
@@ -20,23 +21,57 @@ class DeviceGround:
     holes : DeviceArray, (R, C) uint8, or (1,) where data is everywhere
         Not zero where there is no data.
     masked : bool
+    detail : DeviceArray, (DR, DC) float32, or None
+        Added to the heights, see :class:`~terrain_lod.relief.Relief`.
+    steps : (int, int)
+        Samples of the detail a cell, along x and y.
     """
 
     heights: DeviceArray
     holes: DeviceArray
     masked: bool
+    detail: DeviceArray | None
+    steps: tuple[int, int]
 
     @classmethod
-    def upload(cls, ground: Heightmap, device: Device) -> DeviceGround:
-        """Copy `ground` to the device, or refuse it with the bytes wanted and had."""
+    def upload(cls, relief: Relief, device: Device) -> DeviceGround:
+        """Copy `relief` to the device, or refuse it with the bytes wanted and had."""
+        ground, detail = relief.ground, relief.detail
         masked = ground.mask is not None
         holes = ground.mask if ground.mask is not None else np.zeros(1, bool)
         rows, columns = ground.shape
         device.require(f"a raster of {rows} x {columns}", ground.heights.nbytes, holes.nbytes)
-        return cls(device.array(ground.heights), device.array(holes.view(np.uint8)), masked)
+        return cls(
+            device.array(ground.heights),
+            device.array(holes.view(np.uint8)),
+            masked,
+            None if detail is None else device.array(detail.heights),
+            relief.steps,
+        )
+
+    @property
+    def arguments(self) -> dict[str, DeviceArray]:
+        """What every kernel that reads the ground takes of it, by the names of its arguments."""
+        detail = self.heights if self.detail is None else self.detail
+        return {"heights": self.heights, "holes": self.holes, "detail_heights": detail}
+
+    @property
+    def defines(self) -> dict[str, int]:
+        """What every kernel that reads the ground is built with; ``kernels/ground.h``."""
+        if self.detail is None:
+            return {"MASKED": int(self.masked), "DETAIL": 0}
+        (across, down), (rows, columns) = self.steps, self.detail.shape
+        return {
+            "MASKED": int(self.masked),
+            "DETAIL": 1,
+            "STEPS_ACROSS": across,
+            "STEPS_DOWN": down,
+            "DETAIL_ROWS": rows,
+            "DETAIL_COLUMNS": columns,
+        }
 
     def updated(self, ground: Heightmap, rows: slice) -> DeviceGround:
-        """Copy `rows` of a changed heightmap over those that are there."""
+        """Copy `rows` of a changed heightmap over those that are there; detail stays."""
         start, masked = rows.start * ground.shape[1], ground.mask is not None
         holes = self.holes
         if ground.mask is not None and self.masked:
@@ -45,7 +80,7 @@ class DeviceGround:
             whole = np.zeros(1, bool) if ground.mask is None else ground.mask
             holes = self.device.array(whole.view(np.uint8))
         self.heights.write(ground.heights[rows], start)
-        return DeviceGround(self.heights, holes, masked)
+        return replace(self, holes=holes, masked=masked)
 
     @property
     def device(self) -> Device:

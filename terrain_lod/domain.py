@@ -50,13 +50,12 @@ def displace_on_device(
     )
     group = device.group_size(64)
     groups = grid.count if device.is_gpu else min(grid.count, _RUNS)
-    kernel = device.kernel("domain.cl", "domain", GROUP=group, MASKED=int(ground.masked))
+    kernel = device.kernel("domain.cl", "domain", GROUP=group, **ground.defines)
     kernel(
         (groups * group,),
         (group,),
         grid=grid.record(),
-        heights=ground.heights,
-        holes=ground.holes,
+        **ground.arguments,
         patches=grid.count,
         point_offsets=pattern.point_offsets,
         points=pattern.points,

@@ -13,14 +13,20 @@ equal to the cells then reproduce any raster::
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
 
 from . import layout
 from .arguments import whole
+from .errors import InputError
 from .heightmap import Heightmap
+from .relief import Relief
+
+# kernels number samples along a line, and the control points of all patches, in 32 bits
+_MOST_SAMPLES: Final = 2**30
+_MOST_TILES: Final = 2**27
 
 
 @dataclass(frozen=True)
@@ -39,7 +45,7 @@ class TileGrid:
     Raises
     ------
     InputError
-        If `tile` is not a whole number from 1 to 63.
+        If `tile` is not a whole number from 1 to 63, or samples or tiles are too many to number.
     """
 
     rows: int
@@ -49,16 +55,27 @@ class TileGrid:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "tile", whole("tile", self.tile, 1, layout.MAX_TILE))
+        if max(self.rows, self.columns) > _MOST_SAMPLES or self.count > _MOST_TILES:
+            raise InputError(
+                f"expected a raster of at most {_MOST_SAMPLES} samples along a side and "
+                f"{_MOST_TILES} tiles, got {self.rows} x {self.columns} samples in {self.count} "
+                f"tiles of {self.tile}: use larger tiles, a smaller raster or coarser detail"
+            )
 
     @classmethod
-    def of(cls, ground: Heightmap, tile: int) -> TileGrid:
-        """Return the tiles of a heightmap."""
+    def of(cls, ground: Heightmap | Relief, tile: int) -> TileGrid:
+        """Return the tiles of a heightmap, or of one with detail."""
         return cls(*ground.shape, tile, ground.spacing)
 
     @property
     def shape(self) -> tuple[int, int]:
         """Tile rows and columns."""
         return _tile_count(self.rows - 1, self.tile), _tile_count(self.columns - 1, self.tile)
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """World size along x and y, first to last sample."""
+        return (self.columns - 1) * self.spacing[0], (self.rows - 1) * self.spacing[1]
 
     @property
     def count(self) -> int:

@@ -141,6 +141,37 @@ class Heightmap:
         new._set("mask", _frozen(mask) if mask is not None and mask.any() else None)
         return new, *part
 
+    def with_detail(self, detail: Heightmap) -> Heightmap:
+        """Return this ground made finer, with a small heightmap added again and again.
+
+        The samples are as far apart as the detail's. Sample [r, c] is this ground, bilinear there,
+        plus detail [r % rows, c % columns]: the detail's first sample adds to this ground's first
+        one, whatever the detail's origin. Where the ground lacks a sample that is needed, so does
+        the sum.
+
+        :class:`~terrain_lod.Terrain` takes detail without ever storing the sum; this is what its
+        meshes are to be measured against.
+
+        Parameters
+        ----------
+        detail : Heightmap
+            With data everywhere, in the same units, its spacing a whole part of this ground's
+            along each axis.
+
+        Returns
+        -------
+        Heightmap
+            Its shape is ((R - 1) * down + 1, (C - 1) * across + 1) for so many steps a cell.
+
+        Raises
+        ------
+        InputError
+            If the detail is not such, has another CRS, or the sums do not fit float32.
+        """
+        from .relief import Relief
+
+        return Relief(self, detail).sum()
+
     @property
     def shape(self) -> tuple[int, int]:
         """Samples along y and x: rows, columns."""

@@ -38,11 +38,11 @@ def without_holes_on_device(
     count = pattern.primitives.shape[0]
     kept = device.empty(count, np.uint8)
     counts = device.empty(grid.count, np.uint32)
-    device.kernel("holes.cl", "count_kept")(
+    device.kernel("holes.cl", "count_kept", **ground.defines)(
         (grid.count,),
         (_GROUP,),
         grid=grid.record(),
-        holes=ground.holes,
+        **ground.arguments,
         details=analysis.details,
         points=pattern.points,
         triangle_offsets=pattern.primitive_offsets,
@@ -52,7 +52,7 @@ def without_holes_on_device(
     )
     offsets, total = exclusive_scan(counts)
     triangles = device.empty((total, 3), np.int32)
-    device.kernel("holes.cl", "copy_kept")(
+    device.kernel("holes.cl", "copy_kept", **ground.defines)(
         (grid.count,),
         (_GROUP,),
         patches=grid.count,

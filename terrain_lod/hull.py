@@ -85,13 +85,12 @@ def displace_corners(
     """Put the control points of `patches` on the ground as it is now."""
     device = ground.device
     rows, columns = grid.shape
-    kernel = device.kernel("control_points.cl", "control_points", MASKED=int(ground.masked))
+    kernel = device.kernel("control_points.cl", "control_points", **ground.defines)
     kernel(
         ((rows + 1) * (columns + 1),),
         (_GROUP,),
         grid=grid.record(),
-        heights=ground.heights,
-        holes=ground.holes,
+        **ground.arguments,
         fallback=fallback,
         points=patches.control_points,
     )

@@ -88,7 +88,7 @@ def measure_tiles(
     """Measure some tiles and their edges into what is known of all."""
     device, levels = ground.device, grid.levels
     lanes = 1 if device.is_gpu else _LANES
-    defines = {"TILE": grid.tile, "LEVELS": levels, "LANES": lanes}
+    defines = {"TILE": grid.tile, "LEVELS": levels, "LANES": lanes, **ground.defines}
     groups = tile_groups(grid, tiles, lanes)
     local = _GROUP if device.is_gpu else 1
     device.kernel("ladder.cl", "ladder", **defines)(
@@ -96,7 +96,7 @@ def measure_tiles(
         (len(groups), levels if device.is_gpu else 1),
         (local, 1),
         grid=grid.record(),
-        heights=ground.heights,
+        **ground.arguments,
         details=analysis.details,
         groups=device.array(groups),
         group_count=len(groups),
@@ -111,6 +111,6 @@ def measure_tiles(
             vertical=vertical,
             count=len(edges[vertical]),
             edges=device.array(edges[vertical]),
-            heights=ground.heights,
+            **ground.arguments,
             errors=errors,
         )

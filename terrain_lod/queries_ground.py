@@ -70,7 +70,7 @@ def rays_on_device(
 
 def _kernel(name: str, ground: DeviceGround) -> Kernel:
     ground.device.require_doubles("queries")
-    return ground.device.kernel("queries_ground.cl", name, MASKED=int(ground.masked), NEAR=_NEAR)
+    return ground.device.kernel("queries_ground.cl", name, NEAR=_NEAR, **ground.defines)
 
 
 def _raster(ground: DeviceGround, grid: TileGrid, origin: Point) -> dict[str, Any]:
@@ -78,8 +78,7 @@ def _raster(ground: DeviceGround, grid: TileGrid, origin: Point) -> dict[str, An
     x0, y0, base = origin
     return {
         "grid": grid.record(),
-        "heights": ground.heights,
-        "holes": ground.holes,
+        **ground.arguments,
         "x0": x0,
         "y0": y0,
         "base": base,

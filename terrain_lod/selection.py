@@ -188,14 +188,13 @@ class Selection:
         group = device.group_size(64)
         groups = self.grid.count if device.is_gpu else min(self.grid.count, _RUNS)
         kernel = device.kernel(
-            "tile_error.cl", "tile_error", GROUP=group, MASKED=int(ground.masked)
+            "tile_error.cl", "tile_error", TILE=self.grid.tile, GROUP=group, **ground.defines
         )
         kernel(
             (groups * group,),
             (group,),
             grid=self.grid.record(),
-            heights=ground.heights,
-            holes=ground.holes,
+            **ground.arguments,
             patches=self.grid.count,
             changed=self.changed,
             point_offsets=pattern.point_offsets,

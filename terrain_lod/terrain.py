@@ -36,6 +36,7 @@ from .pattern import DevicePattern
 from .promise import Promise
 from .queries import Hits, checked_points, checked_rays
 from .queries_ground import heights_on_device, rays_on_device
+from .relief import Relief
 from .tessellator import tessellate_device
 from .weights import weights_on_device
 
@@ -46,6 +47,10 @@ class Terrain:
     Parameters
     ----------
     ground : Heightmap
+    detail : Heightmap, optional
+        Laid all over the ground, again and again, and added to it: see
+        :meth:`Heightmap.with_detail`, which this is the same as, to the bit, in a fraction of the
+        memory. Tiles are then cells of the detail, and errors promised are those of the sum.
     tile : int, optional
         Cells along a tile, 1 to 63. At 15 the tessellator's factor 15 reproduces the raster.
     plane : {"least_squares", "corners"}, optional
@@ -55,13 +60,14 @@ class Terrain:
     Attributes
     ----------
     ground : Heightmap
+    detail : Heightmap or None
     grid : TileGrid
     device : Device
 
     Raises
     ------
     InputError
-        If `tile` or `plane` is not one of these.
+        If `tile` or `plane` is not one of these, or the detail does not fit the ground.
     DeviceMemoryError
         If the device cannot hold the raster.
     """
@@ -70,15 +76,16 @@ class Terrain:
         self,
         ground: Heightmap,
         *,
+        detail: Heightmap | None = None,
         tile: int = layout.DEFAULT_TILE,
         plane: str = "least_squares",
         device: Device | None = None,
     ) -> None:
-        self.ground = ground
-        self.grid = TileGrid.of(ground, tile)
+        self._relief = Relief(ground, detail)
+        self.grid = TileGrid.of(self._relief, tile)
         self.device = device or Device.open()
         self._plane = plane
-        self._ground = DeviceGround.upload(ground, self.device)
+        self._ground = DeviceGround.upload(self._relief, self.device)
         self._analysis = analyse_on_device(self._ground, self.grid, plane=plane)
         self._patches = patches_on_device(self._ground, self.grid, self._lowest)
 
@@ -107,9 +114,9 @@ class Terrain:
             no data would be left.
         """
         ground, rows, columns = self.ground.with_elevations(rows, columns, heights)
-        tiles = self.grid.touching(rows, columns)
+        self._relief = Relief(ground, self.detail)
+        tiles = self.grid.touching(*self._relief.touching(rows, columns))
         self._ground = self._ground.updated(ground, rows)
-        self.ground = ground
         analyse_tiles(self._ground, self.grid, self._analysis, tiles, plane=self._plane)
         # corners without data stand at the lowest height there is: all of them may move
         displace_corners(self._ground, self.grid, self._patches, self._lowest)
@@ -130,9 +137,19 @@ class Terrain:
         return TileAnalysis.of(self.grid, self._analysis)
 
     @property
+    def ground(self) -> Heightmap:
+        """The heightmap, as it is now, without its detail."""
+        return self._relief.ground
+
+    @property
+    def detail(self) -> Heightmap | None:
+        """What is laid over it."""
+        return self._relief.detail
+
+    @property
     def origin(self) -> tuple[float, float, float]:
         """World point that meshes of this terrain are relative to."""
-        return (*self.ground.origin, self.ground.base)
+        return (*self.ground.origin, self._relief.base)
 
     @cached_property
     def scene(self) -> Scene:
@@ -141,7 +158,7 @@ class Terrain:
         high = float(np.nanmax(self.analysis.maximum))
         known = self.analysis.deviation[~np.isnan(self.analysis.deviation)]
         return Scene(
-            diagonal=float(np.hypot(np.hypot(*self.ground.extent), high - low)),
+            diagonal=float(np.hypot(np.hypot(*self.grid.extent), high - low)),
             rough_deviation=float(np.percentile(known, 98)),
         )
 

@@ -19,8 +19,8 @@ PACKAGE = Path(terrain_lod.__file__).parent
 ROOMS = {
     # numbers, checks and frozen objects: they know nothing above them
     "values": (
-        "errors arguments layout factors grid heightmap camera lod pattern mesh queries files "
-        "files.degrees opencl opencl.device_info opencl.parameters opencl.timeline drawing "
+        "errors arguments layout factors grid heightmap relief camera lod pattern mesh queries "
+        "files files.degrees opencl opencl.device_info opencl.parameters opencl.timeline drawing "
         "drawing.viewpoint drawing.colours measure measure.soundness measure.open_edges "
         "viewer.camera_path drawing.drape curved curved.patch_factors curved.curved_mesh "
         "curved.adjacency curved.shape_numbers",

@@ -23,6 +23,7 @@ from ..measure.error import vertical_error
 from ..mesh import Mesh
 from ..pattern import DevicePattern
 from ..reference import analysis, domain, error, holes, hull
+from ..relief import Relief
 from .checkup import Check, largest_difference, unequal_rows
 
 Array = npt.NDArray[Any]
@@ -56,7 +57,7 @@ class Case:
         self.origin = (*self.ground.origin, self.ground.base)
 
     def upload(self, device: Device) -> DeviceGround:
-        return DeviceGround.upload(self.ground, device)
+        return DeviceGround.upload(Relief(self.ground), device)
 
     @cached_property
     def fits(self) -> list[analysis.TileFit]:

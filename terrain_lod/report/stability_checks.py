@@ -28,6 +28,7 @@ from ..measure.error import vertical_error
 from ..pattern import DevicePattern
 from ..promise import Promise
 from ..reference import analysis, domain, error, hull, ladder, selection
+from ..relief import Relief
 from ..selection import Selection
 from ..terrain import Terrain
 
@@ -115,7 +116,7 @@ class OnGround:
         self.name, self.ground, self.device = name, ground, device
         self.grid = TileGrid.of(ground, DEFAULT_TILE)
         self.fits = analysis.analyse(ground)
-        self.uploaded = DeviceGround.upload(ground, device)
+        self.uploaded = DeviceGround.upload(Relief(ground), device)
         self.analysis = analyse_on_device(self.uploaded, self.grid)
         self.ranges = np.array([fit.maximum - fit.minimum for fit in self.fits])
         known = np.abs(ground.heights[ground.valid]).astype(np.float64)
