@@ -2,6 +2,7 @@
 
     python benchmarks/viewer.py [--frames 60]         a flight, each time printed apart
     python benchmarks/viewer.py --events 1000         sliders, keys, mouse, resizes, reloads
+    python benchmarks/viewer.py --events 1000 --what pot.bpt
 
 Off screen, so that drawing is all that a window would do but showing.
 """
@@ -11,7 +12,7 @@ from __future__ import annotations
 import argparse
 import resource
 from collections.abc import Callable, Iterator
-from itertools import product
+from dataclasses import replace
 from pathlib import Path
 from statistics import median
 from time import perf_counter, sleep
@@ -20,23 +21,28 @@ from typing import Any
 import numpy as np
 
 import terrain_lod as tl
+from terrain_lod.viewer import scene_of
 from terrain_lod.viewer.camera_path import flyover
 from terrain_lod.viewer.controls import Controls
 from terrain_lod.viewer.model import Model
-from terrain_lod.viewer.settings import CHOICES, LODS, MODES
+from terrain_lod.viewer.scene import Scene
+from terrain_lod.viewer.terrain_scene import TerrainScene
 from terrain_lod.viewer.viewer_camera import Rig
 from terrain_lod.viewer.window import Window
 
-KEYS = (*"123456mlpektfgrhwasd", "Up", "Down", "Left", "Right", "F13")
+KEYS = (*"123456mlpexnbtfgrhwasd", "Up", "Down", "Left", "Right", "F13")
 
 
 def flight(window: Window, controls: Controls, frames: int) -> None:
     """Fly, wait for each mesh, and print medians and the longest time that input had to wait."""
-    cameras = flyover(window.model.ground, frames, size=window.size)
+    scene = window.model.scene
+    rigs = [window.home.orbit(360 * number / frames, 0.0) for number in range(frames)]
+    if isinstance(scene, TerrainScene):
+        rigs = [Rig.of(camera) for camera in flyover(scene.ground, frames)]
     times: dict[str, list[float]] = {}
-    for number, camera in enumerate(cameras):
+    for number, rig in enumerate(rigs):
         begun = perf_counter()
-        longest = took(lambda camera=camera: window.drive(Rig.of(camera)))
+        longest = took(lambda rig=rig: window.drive(rig))
         wanted = window._asked
         while window.frame is None or window.frame.request.number < wanted:
             longest = max(longest, took(controls.pump))
@@ -94,7 +100,7 @@ def event(controls: Controls, rng: np.random.Generator) -> None:
         case 6 | 7:
             slide(controls, str(rng.choice(list(controls.widgets))), float(rng.random()))
         case 8:
-            choice = CHOICES[rng.integers(0, len(CHOICES))]
+            choice = window.settings.choices[rng.integers(0, len(window.settings.choices))]
             window.change(choice.name, choice.values[rng.integers(0, len(choice.values))])
         case 9:
             resize_or_reload(controls, rng)
@@ -129,22 +135,23 @@ def tour(controls: Controls) -> Iterator[Callable[[], None]]:
     window = controls.window
     yield lambda: window.plotter.render_window.SetSize(900, 900)
     yield window.reload
-    for choice in CHOICES:
+    settings = window.model.scene.settings
+    stops = [(slider.name, stop) for slider in settings.numbers for stop in slider.stops]
+    for choice in settings.choices:
         first, *rest = choice.values
         for value in (*rest, first):
             yield lambda name=choice.name, value=value: window.change(name, value)
-    # kernels are built for each tile size and edge rule, and kept
-    values = {choice.name: choice.values for choice in CHOICES}
-    for tile, rule in product(values["tile"], values["edges"]):
-        yield lambda tile=tile, rule=rule: window.apply(
-            window.settings.changed("tile", tile).changed("edges", rule)
-        )
-    for lod in LODS:
-        yield lambda lod=lod: window.change("lod", lod)
-        for slider in window.settings.changed("lod", lod).sliders:
-            for share in (0.0, 1.0):
-                yield lambda name=slider.name, share=share: slide(controls, name, share)
-    yield lambda: window.apply(window.model.settings())
+            # kernels are built for each tile size and edge rule, and kept
+            for name, stop in stops if choice.name == "edges" else ():
+                yield lambda name=name, stop=stop: window.change(name, stop)
+    yield lambda: window.apply(window.model.scene.settings)
+    for choice in settings.choices:
+        for value in choice.values if choice.name in ("lod", "sharp") else ():
+            yield lambda name=choice.name, value=value: window.change(name, value)
+            for slider in settings.changed(choice.name, value).sliders:
+                for share in (0.0, 1.0):
+                    yield lambda name=slider.name, share=share: slide(controls, name, share)
+    yield lambda: window.apply(window.model.scene.settings)
 
 
 def stress(window: Window, controls: Controls, count: int) -> None:
@@ -163,14 +170,15 @@ def stress(window: Window, controls: Controls, count: int) -> None:
             shown.add(window.settle().request.settings.mode)
         if number in (100, count // 2, count):
             # the same view each time, so that what is left is what was not given back
-            window.apply(window.model.settings())
+            window.apply(window.model.scene.settings)
             window.drive(window.home)
             window.plotter.render_window.SetSize(800, 600)
             window.settle(measured=True)
             marks[number] = resident()
             print(f"after {number:5} events {marks[number] / 2**20:8.1f} MiB resident")
     first, last = marks[min(marks)], marks[max(marks)]
-    print(f"grown by {100 * (last / first - 1):.1f} %; {len(shown)} of {len(MODES)} modes shown")
+    modes = len(window.settings.modes)
+    print(f"grown by {100 * (last / first - 1):.1f} %; {len(shown)} of {modes} modes shown")
 
 
 def resident() -> int:
@@ -181,19 +189,24 @@ def resident() -> int:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
 
 
+def scene(what: str) -> Scene:
+    """Return bundled ground or what a file holds, to look at."""
+    if what.endswith(".bpt"):
+        return scene_of(tl.load_bpt(what))
+    return scene_of(tl.sample(what) if what in tl.sample_names() else tl.load_mesh(what))
+
+
 def main() -> None:
     """Run what is asked for."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--ground", default="ridge", choices=tl.sample_names())
+    parser.add_argument("--what", default="ridge", help="bundled ground, a mesh file or a .bpt")
     parser.add_argument("--size", type=int, nargs=2, default=(1920, 1080))
-    parser.add_argument("--lod", default="screen-error")
     parser.add_argument("--frames", type=int, default=60)
     parser.add_argument("--events", type=int, default=0)
     options = parser.parse_args()
-    model = Model(lambda: tl.sample(options.ground))
-    camera = tl.default_camera(model.ground, size=tuple(options.size))
+    model = Model(lambda: scene(options.what))
+    camera = replace(model.scene.camera(), size=tuple(options.size))
     window = Window(model, camera, off_screen=True)
-    window.change("lod", options.lod)
     controls = Controls(window)
     window.settle()
     if options.events:

@@ -13,15 +13,20 @@ from grounds import holed, plane, rough
 from hypothesis import given
 from hypothesis import strategies as st
 
-from terrain_lod import Camera, Heightmap, UniformLod, default_camera
+from terrain_lod import Camera, Heightmap, ScreenErrorLod, UniformLod, Weighted, default_camera
 from terrain_lod.errors import FileError, GraphicsError, InputError
 from terrain_lod.viewer import require_display
 from terrain_lod.viewer.engine import Engine
-from terrain_lod.viewer.model import Model, Request, frustum
-from terrain_lod.viewer.settings import CHOICES, LODS, MODES, Settings, sliders
+from terrain_lod.viewer.mesh_settings import BezierSettings, CurvedSettings
+from terrain_lod.viewer.model import Model
+from terrain_lod.viewer.scene import Request
+from terrain_lod.viewer.stage import frustum
+from terrain_lod.viewer.terrain_scene import TerrainScene
+from terrain_lod.viewer.terrain_settings import LODS, MODES, TILES, TerrainSettings
 from terrain_lod.viewer.viewer_camera import Rig, ground_seen, height_at
 
-SETTINGS = Settings(diagonal=1000.0)
+SETTINGS = TerrainSettings(diagonal=1000.0)
+EVERY = [kind(diagonal=1000.0) for kind in (TerrainSettings, CurvedSettings, BezierSettings)]
 ORIGIN = (500_000.0, 4_000_000.0)
 
 
@@ -32,34 +37,57 @@ def a_camera(ground, size=(320, 200)):
 # settings
 
 
-def test_every_control_is_a_setting():
-    names = {field.name for field in fields(Settings)}
-    assert {choice.name for choice in CHOICES} <= names
-    assert {slider.name for slider in sliders(1000.0)} <= names
-    keys = [choice.key for choice in CHOICES]
+@pytest.mark.parametrize("settings", EVERY)
+def test_every_control_is_a_setting(settings):
+    names = {field.name for field in fields(settings)}
+    assert {choice.name for choice in settings.choices} <= names
+    assert {slider.name for slider in settings.numbers} <= names
+    keys = [choice.key for choice in settings.choices]
     assert len(set(keys)) == len(keys)
-    for choice in CHOICES:
-        assert getattr(SETTINGS, choice.name) in choice.values
+    assert not set(keys) & set("wasdgrucvhq")
+    for choice in settings.choices:
+        assert getattr(settings, choice.name) in choice.values
+    for slider in settings.numbers:
+        assert slider.nearest(getattr(settings, slider.name)) == getattr(settings, slider.name)
 
 
-@given(st.sampled_from([s.name for s in sliders(1000.0)]), st.floats(allow_nan=False), st.data())
-def test_any_slider_anywhere_gives_a_level_of_detail(name, value, data):
-    lod = data.draw(st.sampled_from(LODS))
+@given(st.sampled_from(EVERY), st.floats(allow_nan=False), st.data())
+def test_any_slider_anywhere_gives_a_level_of_detail(settings, value, data):
+    for choice in settings.choices:
+        settings = settings.changed(choice.name, data.draw(st.sampled_from(choice.values)))
+    slider = data.draw(st.sampled_from(settings.numbers))
     if math.isinf(value):
         with pytest.raises(InputError, match="finite"):
-            SETTINGS.changed(name, value)
+            settings.changed(slider.name, value)
         return
-    settings = SETTINGS.changed("lod", lod).changed(name, value)
-    slider = next(slider for slider in sliders(1000.0) if slider.name == name)
-    assert slider.low <= getattr(settings, name) <= slider.high
-    settings.detail()  # raises where near and far, or minimum and maximum, cross
+    settings = settings.changed(slider.name, value)
+    assert slider.low <= getattr(settings, slider.name) <= slider.high
+    # raises where near and far, or minimum and maximum, cross
+    if isinstance(settings, TerrainSettings):
+        settings.detail()
+    if isinstance(settings, CurvedSettings):
+        settings.formula()
 
 
 def test_sliders_that_matter_and_their_scale():
     names = [slider.name for slider in SETTINGS.changed("lod", "coplanarity").sliders]
-    assert names == ["near", "far", "minimum", "maximum", "flat_weight", "azimuth", "elevation"]
-    for slider in sliders(1000.0):
+    formula = ["near", "far", "minimum", "maximum", "flat_weight"]
+    always = ["horizon", "silhouette", "tile", "azimuth", "elevation"]
+    assert names == formula + always
+    for slider in SETTINGS.numbers:
         assert slider.of_scale(slider.on_scale(slider.high)) == pytest.approx(slider.high)
+    assert [slider.name for slider in EVERY[2].sliders] == ["factor", "azimuth", "elevation"]
+    assert "crease" in {slider.name for slider in EVERY[1].changed("sharp", "angle").sliders}
+    assert "crease" not in {slider.name for slider in EVERY[1].sliders}
+
+
+def test_the_tile_slider_has_stops():
+    for value, stop in ((1, 3), (13, 15), (12, 11), (64, 63), (40, 45)):
+        assert SETTINGS.changed("tile", value).tile == stop
+    assert all(isinstance(SETTINGS.changed("tile", tile).tile, int) for tile in TILES)
+    assert replace(SETTINGS, tile=12).tile == 12  # as the command line may ask
+    with pytest.raises(InputError, match="from 1 to 63 for tile"):
+        replace(SETTINGS, tile=64)
 
 
 def test_choices_go_round_and_refuse_what_they_do_not_know():
@@ -67,13 +95,18 @@ def test_choices_go_round_and_refuse_what_they_do_not_know():
     for _ in MODES:
         settings = settings.next("mode")
     assert settings == SETTINGS
-    assert SETTINGS.changed("tile", 12).next("tile").tile == 7
     with pytest.raises(InputError, match="expected one of shaded"):
         SETTINGS.changed("mode", "cubist")
+    with pytest.raises(InputError, match="expected one of shaded, wireframe, lod, normals"):
+        EVERY[1].changed("mode", "deviation")
     with pytest.raises(InputError, match="unknown setting 'colour'"):
         SETTINGS.changed("colour", "red")
-    with pytest.raises(InputError, match="from 1 to 63 for tile"):
-        SETTINGS.changed("tile", 64)
+
+
+def test_weights_weigh_and_none_do_not():
+    assert SETTINGS.detail() == ScreenErrorLod(1.0)
+    weighted = SETTINGS.changed("horizon", 4.0).changed("silhouette", 2.0)
+    assert weighted.detail() == Weighted(ScreenErrorLod(1.0), horizon=4.0, silhouette=2.0)
 
 
 def test_edge_rule_and_tessellation_follow_the_level_of_detail():
@@ -117,8 +150,8 @@ numbers = st.floats(allow_nan=True, allow_infinity=True)
 def test_camera_driven_anywhere_stays_above_the_ground_and_near_it(
     target, distance, heading, pitch
 ):
-    ground = GROUND
-    rig = Rig(target, distance, heading, pitch, fov=60.0).within(ground)
+    ground = SCENE.ground
+    rig = Rig(target, distance, heading, pitch, fov=60.0).within(SCENE)
     x, y, z = rig.eye
     assert z > height_at(ground, x, y)
     diagonal = float(np.hypot(*ground.extent))
@@ -127,6 +160,7 @@ def test_camera_driven_anywhere_stays_above_the_ground_and_near_it(
 
 
 GROUND = rough(60, 80, spacing=(30.0, 20.0), origin=ORIGIN, base=2000.0)
+SCENE = TerrainScene(GROUND)
 
 
 def test_height_is_bilinear_clamped_and_lowest_in_holes():
@@ -168,30 +202,30 @@ def samples(ground):
 
 
 @pytest.fixture(scope="module")
-def model():
-    return Model(lambda: rough(121, 107, spacing=30.0, origin=ORIGIN))
+def scene():
+    return TerrainScene(rough(121, 107, spacing=30.0, origin=ORIGIN))
 
 
 @pytest.mark.parametrize("lod", LODS)
 @pytest.mark.parametrize("mode", MODES)
-def test_every_mode_paints_every_triangle(model, mode, lod):
-    settings = model.settings().changed("lod", lod).changed("mode", mode)
-    frame = model.frame(Request(a_camera(model.ground), settings))
+def test_every_mode_paints_every_triangle(scene, mode, lod):
+    settings = scene.settings.changed("lod", lod).changed("mode", mode)
+    frame = scene.frame(Request(a_camera(scene.ground), settings))
     mesh = frame.mesh
     assert len(frame.paint.colours) in (len(mesh.vertices), len(mesh.triangles))
     assert frame.paint.colours.dtype == np.uint8
-    assert (frame.paint.texture is not None) == (mode == "error")
+    assert (frame.paint.drape is not None) == (mode == "error")
     text = "\n".join(frame.lines())
     assert f"{len(mesh.triangles):,} triangles" in text
     assert f"{mesh.patches.culled_count:,} culled" in text
 
 
-def test_colours_stand_for_what_their_mode_says(model):
-    camera, settings = a_camera(model.ground), model.settings().changed("lod", "uniform")
+def test_colours_stand_for_what_their_mode_says(scene):
+    camera, settings = a_camera(scene.ground), scene.settings.changed("lod", "uniform")
     settings = settings.changed("factor", 3.0)
 
     def painted(mode):
-        return model.frame(Request(camera, settings.changed("mode", mode)))
+        return scene.frame(Request(camera, settings.changed("mode", mode)))
 
     normals = painted("normals")
     up = normals.mesh.normals[:, 2]
@@ -205,63 +239,61 @@ def test_colours_stand_for_what_their_mode_says(model):
     order = drawn[np.argsort(patches.deviation[drawn])]
     assert brightness[order[-1]] > 1.5 * brightness[order[0]]
 
-    error = painted("error").paint.texture.astype(int)
-    field = model.measured(painted("error"))
-    assert error.shape[:2] == model.ground.shape
+    error = painted("error").paint.drape.picture.astype(int)
+    field = painted("error").measured()
+    assert error.shape[:2] == scene.ground.shape
     assert (error[..., 0] > error[..., 2] + 60).any()  # red: above
     assert (error[..., 2] > error[..., 0] + 60).any()  # blue: below
     assert field.error.metres > 0
 
 
 def test_sun_lights_the_slopes_that_face_it():
-    model = Model(lambda: plane(3.0, 0.0, spacing=5.0))  # rises to the east, so it faces west
-    settings, camera = model.settings().changed("lod", "uniform"), a_camera(model.ground)
+    scene = TerrainScene(plane(3.0, 0.0, spacing=5.0))  # rises to the east, so it faces west
+    settings, camera = scene.settings.changed("lod", "uniform"), a_camera(scene.ground)
     west, east = (
-        model.frame(Request(camera, settings.changed("azimuth", azimuth))).paint.colours.mean()
+        scene.frame(Request(camera, settings.changed("azimuth", azimuth))).paint.colours.mean()
         for azimuth in (270.0, 90.0)
     )
     assert west > 1.3 * east
 
 
-def test_error_is_measured_where_the_mesh_does_not_bring_it(model):
-    camera, settings = a_camera(model.ground), model.settings()
-    promised = model.frame(Request(camera, settings))
+def test_error_is_measured_where_the_mesh_does_not_bring_it(scene):
+    camera, settings = a_camera(scene.ground), scene.settings
+    promised = scene.frame(Request(camera, settings))
     assert promised.error.pixels <= 1.0
-    assert model.measured(promised) is promised
-    frame = model.frame(Request(camera, settings.changed("lod", "uniform").changed("factor", 2.0)))
+    assert promised.measured() is promised
+    frame = scene.frame(Request(camera, settings.changed("lod", "uniform").changed("factor", 2.0)))
     assert frame.error is None
     assert "being measured" in "\n".join(frame.lines())
-    measured = model.measured(frame)
+    measured = frame.measured()
     assert measured.error.metres > 0
     assert f"{measured.error.metres:.3g} m" in "\n".join(measured.lines())
 
 
-def test_a_pick_tells_tile_factors_plane_and_height(model):
-    ground = model.ground
-    frame = model.frame(Request(a_camera(ground), model.settings().changed("lod", "coplanarity")))
+def test_a_pick_tells_tile_factors_plane_and_height(scene):
+    ground = scene.ground
+    frame = scene.frame(Request(a_camera(ground), scene.settings.changed("lod", "coplanarity")))
     row, column = 100, 50  # of the raster
     x, y = ORIGIN[0] + 30.0 * column, ORIGIN[1] - 30.0 * row
-    pick = frame.pick(x, y)
+    pick = frame.at(x, y)
     assert pick.tile == (100 // 15, 50 // 15)
     assert pick.point[2] == pytest.approx(float(ground.heights[row, column]) + ground.base)
     index = pick.tile[0] * frame.mesh.patches.shape[1] + pick.tile[1]
     assert pick.edge_factors == pytest.approx(tuple(frame.mesh.patches.edge_factors[index]))
     assert pick.deviation == pytest.approx(float(frame.terrain.analysis.deviation[pick.tile]))
     assert np.linalg.norm(pick.normal) == pytest.approx(1.0, abs=1e-5)
-    assert frame.pick(*ORIGIN).tile == (0, 0)
+    assert frame.at(*ORIGIN).tile == (0, 0)
     x, y = ORIGIN[0] + ground.extent[0], ORIGIN[1] - ground.extent[1]
-    assert frame.pick(x, y).tile == tuple(extent - 1 for extent in frame.mesh.patches.shape)
-    with pytest.raises(InputError, match="point on the ground"):
-        frame.pick(x + 1.0, y)
+    assert frame.at(x, y).tile == tuple(extent - 1 for extent in frame.mesh.patches.shape)
 
 
 def test_holes_and_empty_views_are_frames_too():
-    model = Model(lambda: holed(61, 61))
-    settings, camera = model.settings(), a_camera(model.ground)
+    scene = TerrainScene(holed(61, 61))
+    settings, camera = scene.settings, a_camera(scene.ground)
     away = replace(camera, target=(camera.eye[0], camera.eye[1] - 10.0, camera.eye[2] + 9.0))
     for mode in MODES:
-        model.frame(Request(camera, settings.changed("mode", mode)))
-        empty = model.frame(Request(away, settings.changed("mode", mode)))
+        scene.frame(Request(camera, settings.changed("mode", mode)))
+        empty = scene.frame(Request(away, settings.changed("mode", mode)))
         assert len(empty.mesh.triangles) == 0
 
 
@@ -282,13 +314,13 @@ def test_frustum_has_the_pictures_corners():
 def test_a_file_that_changes_or_goes_is_told_once(tmp_path):
     path = tmp_path / "ground.npy"
     np.save(path, np.arange(64.0).reshape(8, 8))
-    model = Model(lambda: Heightmap(np.load(path)), path=path)
+    model = Model(lambda: TerrainScene(Heightmap(np.load(path))), path=path)
     assert model.news() is None
     np.save(path, np.arange(81.0).reshape(9, 9))
     assert "has changed" in model.news()
     assert model.news() is None
     model.reload()
-    assert model.ground.shape == (9, 9)
+    assert model.scene.ground.shape == (9, 9)
     path.unlink()
     assert "is gone" in model.news()
     assert model.news() is None
@@ -297,7 +329,7 @@ def test_a_file_that_changes_or_goes_is_told_once(tmp_path):
 # the thread
 
 
-def test_only_the_newest_request_is_made_next(model):
+def test_only_the_newest_request_is_made_next(scene):
     begun, go_on, made = Event(), Event(), []
 
     class Slow:
@@ -307,11 +339,8 @@ def test_only_the_newest_request_is_made_next(model):
             assert go_on.wait(30)
             return frame
 
-        def measured(self, frame):
-            return frame
-
-    frame = model.frame(Request(a_camera(model.ground), model.settings()))
-    engine = Engine(Slow())
+    frame = scene.frame(Request(a_camera(scene.ground), scene.settings))
+    engine = Engine(Model(Slow))
     try:
         requests = [replace(frame.request, number=number) for number in range(5)]
         engine.ask(requests[0])
@@ -338,8 +367,8 @@ def test_only_the_newest_request_is_made_next(model):
         (ZeroDivisionError("no"), "ZeroDivisionError: no"),
     ],
 )
-def test_what_cannot_be_made_is_one_line_and_the_thread_lives_on(model, error, line):
-    frame = model.frame(Request(a_camera(model.ground), model.settings()))
+def test_what_cannot_be_made_is_one_line_and_the_thread_lives_on(scene, error, line):
+    frame = scene.frame(Request(a_camera(scene.ground), scene.settings))
     failures = [error]
 
     class Failing:
@@ -348,10 +377,7 @@ def test_what_cannot_be_made_is_one_line_and_the_thread_lives_on(model, error, l
                 raise failures.pop()
             return frame
 
-        def measured(self, frame):
-            return frame
-
-    engine = Engine(Failing())
+    engine = Engine(Model(Failing))
     try:
         engine.ask(frame.request)
         assert engine.wait(30, measured=True)
@@ -375,10 +401,10 @@ def test_no_display_names_the_ways_without_one(monkeypatch, display):
         require_display()
 
 
-def test_lod_is_monotonic_in_its_slider(model):
-    camera = a_camera(model.ground)
+def test_lod_is_monotonic_in_its_slider(scene):
+    camera = a_camera(scene.ground)
     counts = [
-        len(model.frame(Request(camera, model.settings().changed("pixels", pixels))).mesh.triangles)
+        len(scene.frame(Request(camera, scene.settings.changed("pixels", pixels))).mesh.triangles)
         for pixels in (0.5, 2.0, 8.0)
     ]
     assert all(more > fewer for more, fewer in pairwise(counts))

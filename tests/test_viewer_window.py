@@ -23,7 +23,8 @@ from terrain_lod.viewer import look
 from terrain_lod.viewer.controls import Controls
 from terrain_lod.viewer.model import Model
 from terrain_lod.viewer.movie import Movie
-from terrain_lod.viewer.settings import LODS, MODES
+from terrain_lod.viewer.terrain_scene import TerrainScene
+from terrain_lod.viewer.terrain_settings import LODS, MODES
 from terrain_lod.viewer.window import Window
 
 pytestmark = pytest.mark.skipif(
@@ -35,12 +36,13 @@ ROOT = Path(__file__).parents[1]
 
 @pytest.fixture(scope="module")
 def model():
-    return Model(lambda: rough(121, 121, spacing=30.0, origin=(500_000.0, 4_000_000.0)))
+    scene = TerrainScene(rough(121, 121, spacing=30.0, origin=(500_000.0, 4_000_000.0)))
+    return Model(lambda: scene)
 
 
 @pytest.fixture
 def window(model):
-    window = Window(model, default_camera(model.ground, size=SIZE), off_screen=True)
+    window = Window(model, default_camera(model.scene.ground, size=SIZE), off_screen=True)
     window.settle()
     yield window
     window.close()
@@ -184,13 +186,13 @@ def test_flying_looks_around_and_moves_along_the_view(controls):
     assert moved @ forward == pytest.approx(float(np.linalg.norm(moved)))
     for _ in range(400):
         press(controls, "w")  # into the ground, and out at the other side
-    assert window.rig.eye[2] > window.model.ground.height_range[0]
-    assert math.dist(window.rig.eye, window.model.ground.centre) < 1e5
+    assert window.rig.eye[2] > window.model.scene.ground.height_range[0]
+    assert math.dist(window.rig.eye, window.model.scene.centre) < 1e5
 
 
 @pytest.mark.parametrize(
     ("key", "name"),
-    [("m", "mode"), ("l", "lod"), ("p", "partitioning"), ("e", "edges"), ("k", "tile")],
+    [("m", "mode"), ("l", "lod"), ("p", "partitioning"), ("e", "edges")],
 )
 def test_keys_go_to_the_next_choice_and_its_mesh_is_shown(controls, key, name):
     window = controls.window
@@ -207,7 +209,7 @@ def test_numbers_choose_modes_and_vtk_does_not_hear_them(controls):
         assert window.settings.mode == mode
     press(controls, "w")
     assert not window.plotter.render_window.GetStereoRender()
-    assert window._surface.prop.style == "Surface"
+    assert window.stage.surface.prop.style == "Surface"
 
 
 def test_a_click_tells_what_is_there(controls):
@@ -217,7 +219,7 @@ def test_a_click_tells_what_is_there(controls):
     assert window.note.startswith("tile ")
     assert "deviation" in window.note
     # what it found projects to where the click was
-    mark = np.array(window._mark.mapper.GetInput().GetPoint(0)) + window._origin
+    mark = np.array(window.stage.mark.mapper.GetInput().GetPoint(0)) + window.stage.origin
     (pixel,), _ = window.camera.project([mark])
     assert pixel == pytest.approx([160.5, SIZE[1] - 60.5], abs=0.1)
     window.drive(window.rig.look(0.0, 60.0))
@@ -334,25 +336,25 @@ def test_ground_is_read_again_and_a_lost_file_leaves_the_last_good_mesh(tmp_path
 
     def load():
         try:
-            return Heightmap(np.load(path))
+            return TerrainScene(Heightmap(np.load(path)))
         except OSError as error:
             raise FileError(f"cannot read {path.name}: {error.strerror}") from None
 
     model = Model(load, path=path)
-    window = Window(model, default_camera(model.ground, size=SIZE), off_screen=True)
+    window = Window(model, default_camera(model.scene.ground, size=SIZE), off_screen=True)
     try:
         controls = Controls(window)
         window.settle()
         np.save(path, np.array(rough(91, 91, seed=1).heights))
         press(controls, "u")
-        assert window.settle().terrain.ground.shape == (91, 91)
+        assert window.settle().scene.ground.shape == (91, 91)
         assert window.settings.diagonal == pytest.approx(90 * 2**0.5)
         path.unlink()
         press(controls, "u")
         with pytest.raises(InputError, match=r"cannot read ground\.npy"):
             window.settle()
         assert window.note.startswith("cannot read ground.npy")
-        assert window.frame.terrain.ground.shape == (91, 91)
+        assert window.frame.scene.ground.shape == (91, 91)
         assert window.picture().std() > 10
     finally:
         window.close()
@@ -361,8 +363,7 @@ def test_ground_is_read_again_and_a_lost_file_leaves_the_last_good_mesh(tmp_path
 def test_off_screen_writes_a_picture_and_a_flight(model, tmp_path):
     lines = look(
         model,
-        default_camera(model.ground, size=SIZE),
-        settings=model.settings().changed("mode", "lod"),
+        default_camera(model.scene.ground, size=SIZE),
         picture=tmp_path / "view.png",
         record=tmp_path / "fly.gif",
         frames=3,
@@ -402,7 +403,7 @@ def test_any_events_in_any_order(controls):
         event(controls, rng)
         if number % 20 == 19:
             controls.window.settle()
-    controls.window.apply(controls.window.model.settings())
+    controls.window.apply(controls.window.model.scene.settings)
     controls.window.plotter.render_window.SetSize(*SIZE)
     controls.window.drive(controls.window.home)
     controls.pump()

@@ -3,19 +3,29 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
 from ..arguments import whole
 from ..errors import InputError
-from .options import CameraOptions, Ground, GroundOptions, Sun, TerrainOptions
+from .options import CameraOptions, GroundOptions, Sun, TerrainOptions
 from .output import log, say
+
+if TYPE_CHECKING:
+    from ..viewer.scene import Scene
+
+Mode = Literal["shaded", "wireframe", "lod", "deviation", "error", "normals"]
+LodName = Literal[
+    "screen-error", "max-error", "budget", "coplanarity", "distance", "uniform",
+    "length", "silhouette", "orientation", "curvature",
+]  # fmt: skip
 
 
 def view(
-    ground: Ground = "ridge",
+    subject: Annotated[str, Parameter(metavar="GROUND|MESH")] = "ridge",
     /,
     *,
     web: bool = False,
@@ -26,25 +36,25 @@ def view(
     output: Annotated[Path | None, Parameter(alias="-o", metavar="FILE")] = None,
     record: Annotated[Path | None, Parameter(metavar="FILE")] = None,
     frames: int = 60,
-    mode: Literal["shaded", "wireframe", "lod", "deviation", "error", "normals"] = "shaded",
-    lod: Literal[
-        "screen-error", "max-error", "budget", "coplanarity", "distance", "uniform"
-    ] = "screen-error",
+    mode: Mode | None = None,
+    lod: LodName | None = None,
+    factor: float | None = None,
     sun: Sun = None,
     reading: GroundOptions = GroundOptions(),  # noqa: B008
     camera: CameraOptions = CameraOptions(),  # noqa: B008
     terrain: TerrainOptions = TerrainOptions(),  # noqa: B008
 ) -> None:
-    """Look at ground: fly over it, and see what its level of detail does.
+    """Look at ground or a curved mesh: fly over it, and see what its level of detail does.
 
     Drag turns, the wheel goes nearer, w a s d fly, a click tells what is known of a place. Keys:
-    1-6 what is shown, m l p e k t f the next mode, LOD, partitioning, edge rule, tile,
-    tessellation, freeze; g fly or orbit, r reset, u reload, c picture, v record, h hide, q quit.
+    1-6 what is shown; m l p e t f the next mode, LOD, partitioning, edge rule, tessellation,
+    freeze; of meshes x n b sharp edges, normals, back faces; g fly or orbit, r reset, u reload,
+    c picture, v record, h hide, q quit.
 
     Parameters
     ----------
-    ground
-        A raster file or the name of a bundled sample.
+    subject
+        A raster file, the name of a bundled sample, a mesh file, or Bézier patches in a .bpt file.
     web
         Serve a page instead of opening a window.
     port
@@ -63,10 +73,14 @@ def view(
     frames
         Pictures of that flight.
     mode
-        What is shown: height, triangles, factors, deviation from the tiles' planes, vertical error
-        or normals.
+        What is shown: light, triangles, factors or normals; of ground also its deviation from the
+        tiles' planes and the vertical error. Default: shaded.
     lod
-        How detail is chosen.
+        How detail is chosen. Ground: screen-error (default), max-error, budget, coplanarity,
+        distance, uniform. Meshes: uniform (default), distance, length, silhouette, orientation,
+        curvature.
+    factor
+        Segments along an edge. Of uniform alone.
     sun
         Where the light comes from: degrees clockwise from north, degrees above the horizon.
     """
@@ -74,28 +88,52 @@ def view(
 
     if output is not None and not off_screen:
         raise InputError("expected --off-screen with --output: in a window, c takes a picture")
-    path = Path(ground) if Path(ground).exists() else None
-    model = Model(lambda: reading.load(ground), path=path, device=terrain.open())
-    log("%r", model.ground)
-    settings = model.settings().changed("mode", mode).changed("lod", lod)
-    settings = settings.changed("tile", terrain.tile)
+    whole("frames", frames, 1, 100_000)
+    chosen: dict[str, Any] = {"mode": mode, "lod": lod, "factor": factor}
     if sun is not None:
-        settings = settings.changed("azimuth", sun[0] % 360).changed("elevation", sun[1])
-    eye = camera.over(model.ground)
+        chosen |= {"azimuth": sun[0] % 360, "elevation": sun[1]}
+    path = Path(subject) if Path(subject).exists() else None
+    model = Model(lambda: _scene(subject, reading, terrain), path=path)
+    settings = model.scene.settings
+    for name, value in chosen.items():
+        if value is not None:
+            settings = settings.changed(name, value)
+    model.scene.settings = settings
+    eye = camera.instead_of(model.scene.camera())
     if web:
         from ..viewer.web import serve
 
         print(f"http://{host}:{port}/  (Ctrl-C ends it)", file=sys.stderr)
-        serve(model, eye, settings=settings, host=host, port=port, open_browser=browser)
+        serve(model, eye, host=host, port=port, open_browser=browser)
     elif off_screen:
         from ..viewer import look
 
-        whole("frames", frames, 1, 100_000)
-        for line in look(
-            model, eye, settings=settings, picture=output, record=record, frames=frames
-        ):
+        for line in look(model, eye, picture=output, record=record, frames=frames):
             say(line)
     else:
-        from ..viewer import view as show
+        from ..viewer import open_window
 
-        show(model, eye, settings=settings, record=record)
+        open_window(model, eye, record=record)
+
+
+def _scene(name: str, reading: GroundOptions, terrain: TerrainOptions) -> Scene:
+    """Return what is to be looked at, by the ending of its name."""
+    from ..files.bpt import load_bpt
+    from ..files.loading import FORMATS
+    from ..files.mesh_loading import load_mesh
+    from ..viewer.mesh_scene import BezierScene, CurvedScene
+    from ..viewer.terrain_scene import TerrainScene
+
+    endings = tuple(ending for form in FORMATS for ending in form.endings)
+    if not Path(name).suffix or name.lower().endswith(endings):
+        scene = TerrainScene(reading.load(name), device=terrain.open())
+        scene.settings = replace(scene.settings, tile=terrain.tile)
+        log("%r", scene.ground)
+        return scene
+    given = [option for option, value in vars(reading).items() if value is not None]
+    if given:
+        option = "--" + given[0].replace("_", "-")
+        raise InputError(f"expected a raster with {option}, got {name}")
+    if name.lower().endswith(".bpt"):
+        return BezierScene(load_bpt(name), device=terrain.open())
+    return CurvedScene(load_mesh(name), device=terrain.open())

@@ -23,6 +23,7 @@ from ..device import Device, DeviceArray
 from ..errors import InputError
 from ..measure.soundness import require_sound
 from ..mesh import Mesh
+from ..opencl.timeline import Timeline
 from ..tessellator import tessellate_device
 from .adjacency import Adjacency
 from .creases import split_at_creases
@@ -145,17 +146,18 @@ def pn_triangles(
             cull=cull and camera is not None,
             back_cosine=_back_cosine(back_faces, camera),
         )
-        return _tessellated(mesh, nets, factors, partitioning, normals == "linear", timeline)
+        return tessellate_nets(mesh, nets, factors, partitioning, normals == "linear", timeline)
 
 
-def _tessellated(
+def tessellate_nets(
     mesh: Mesh,
     nets: DeviceArray,
     factors: DeviceFactors,
     partitioning: str,
     linear_normals: bool,
-    timeline: Any,
+    timeline: Timeline,
 ) -> CurvedMesh:
+    """Return the patches of `mesh`, whose control nets and factors are known, tessellated."""
     # corners 0, 1, 2 are u, v, w: counter-clockwise in the mesh is clockwise in the domain
     if partitioning == SEMI_UNIFORM:
         levels = levels_on_device(factors.edge, _LARGEST_LEVEL)

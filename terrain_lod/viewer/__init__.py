@@ -1,56 +1,89 @@
-"""Look at ground: in a window, off screen, or as a page in the browser."""
+"""Look at ground and meshes: in a window, off screen, or as a page in the browser."""
 
 from __future__ import annotations
 
 import os
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from ctypes import CDLL, c_char_p, c_void_p
 from pathlib import Path
 from typing import Any, Final
 
+import numpy.typing as npt
+
 from ..camera import Camera
+from ..device import Device
 from ..errors import GraphicsError
+from ..heightmap import Heightmap
+from ..mesh import Mesh
 from .controls import Controls
+from .mesh_scene import BezierScene, CurvedScene
 from .model import Model
 from .movie import Movie
-from .settings import Settings
+from .scene import Scene
+from .terrain_scene import TerrainScene
 from .window import Window
 
 _PERIOD: Final = 15  # milliseconds between two looks for something new
 
 
 def view(
-    model: Model,
-    camera: Camera,
+    what: Heightmap | Mesh | npt.ArrayLike,
+    camera: Camera | None = None,
     *,
-    settings: Settings | None = None,
-    record: Path | None = None,
+    settings: Mapping[str, Any] | None = None,
+    record: str | Path | None = None,
+    device: Device | None = None,
 ) -> None:
-    """Open a window and return when it is closed.
+    """Open a window to fly over ground or around a curved mesh; return when it is closed.
+
+    Its keys stand in :mod:`terrain_lod.viewer.controls`.
 
     Parameters
     ----------
-    model : Model
-    camera : Camera
+    what : Heightmap, Mesh, or (P, 4, 4, 3) array_like
+        Ground; triangles, to be curved as PN-triangles; or Bézier patches.
+    camera : Camera, optional
         Where to begin; its size is the window's.
-    settings : Settings, optional
-    record : Path, optional
+    settings : mapping, optional
+        What to begin with, such as ``{"mode": "lod"}``: fields of
+        :class:`~terrain_lod.viewer.terrain_settings.TerrainSettings`, ``CurvedSettings`` or
+        ``BezierSettings``.
+    record : str or Path, optional
         GIF or MP4 of all that is shown.
+    device : Device, optional
 
     Raises
     ------
+    InputError
+        If it cannot be looked at, or a setting is unknown.
     GraphicsError
         If there is no display, or nothing can be drawn.
     """
+    scene = scene_of(what, device=device)
+    for name, value in (settings or {}).items():
+        scene.settings = scene.settings.changed(name, value)
+    open_window(Model(lambda: scene), camera or scene.camera(), record=record)
+
+
+def scene_of(what: Heightmap | Mesh | npt.ArrayLike, *, device: Device | None = None) -> Scene:
+    """Return what is looked at as the viewer's scene; see :func:`view`."""
+    if isinstance(what, Heightmap):
+        return TerrainScene(what, device=device)
+    if isinstance(what, Mesh):
+        return CurvedScene(what, device=device)
+    return BezierScene(what, device=device)
+
+
+def open_window(model: Model, camera: Camera, *, record: str | Path | None = None) -> None:
+    """Open a window on a model and return when it is closed; see :func:`view`."""
     require_display()
     window = Window(model, camera)
     try:
-        window.apply(settings or window.settings)
         controls = Controls(window)
-        controls.record(record)
+        controls.record(None if record is None else Path(record))
         interactor = window.plotter.iren.interactor
         interactor.Initialize()
         interactor.AddObserver("TimerEvent", lambda *_: controls.pump())
@@ -67,7 +100,6 @@ def look(
     model: Model,
     camera: Camera,
     *,
-    settings: Settings | None = None,
     picture: Path | None = None,
     record: Path | None = None,
     frames: int = 60,
@@ -78,7 +110,6 @@ def look(
     ----------
     model : Model
     camera : Camera
-    settings : Settings, optional
     picture : Path, optional
         PNG of the first view.
     record : Path, optional
@@ -99,7 +130,6 @@ def look(
     movie = None if record is None else Movie(record)
     window = Window(model, camera, off_screen=True)
     try:
-        window.apply(settings or window.settings)
         window.settle(measured=True)
         if picture is not None:
             window.picture(picture)

@@ -3,13 +3,13 @@
 ==========================  ======================================================================
 drag, right drag, wheel     around the target (flying: look around); nearer; nearer
 middle or shift drag        sideways
-click                       what is known of the ground there
+click                       what is known of the place
 w a s d, arrows             fly
-1 ... 6                     shaded, wireframe, lod, deviation, error, normals
-m l p e k                   the next mode, LOD, partitioning, edge rule, tile
-t f                         tessellate, freeze: on or off
+1 ... 6                     the modes: shaded, wireframe, lod, and those of the scene
+m l p e x n                 the next mode, LOD, partitioning; edge rule; sharp edges, normals
+t f b                       tessellate, freeze, back faces: on or off
 g                           drag flies or orbits
-r u c v h q                 reset the camera, reload the ground, picture, record, hide, quit
+r u c v h q                 reset the camera, reload the file, picture, record, hide, quit
 ==========================  ======================================================================
 """
 
@@ -23,8 +23,8 @@ from typing import Any, Final
 
 from ..errors import TerrainError
 from .movie import Movie
-from .settings import CHOICES, MODES, Settings, Slider, sliders
-from .viewer_camera import Rig, height_at
+from .settings import Settings, Slider
+from .viewer_camera import Rig
 from .window import Window
 
 _WHEEL: Final = 1.15  # zoom a notch
@@ -111,11 +111,12 @@ class Controls:
         """
         window, key = self.window, key or ""
         window.redraw()
-        for choice in CHOICES:
+        for choice in window.settings.choices:
             if key == choice.key:
                 window.apply(window.settings.next(choice.name))
-        if key.isdigit() and 1 <= int(key) <= len(MODES):
-            window.change("mode", MODES[int(key) - 1])
+        modes = window.settings.modes
+        if key.isdigit() and 1 <= int(key) <= len(modes):
+            window.change("mode", modes[int(key) - 1])
         if key in _FLIGHT:
             forward, right = _FLIGHT[key]
             window.drive(window.rig.fly(forward * self._step(), right * self._step()))
@@ -126,7 +127,7 @@ class Controls:
             case "r":
                 window.drive(window.home)
             case "u":
-                window.note = "reading the ground again"
+                window.note = "reading the file again"
                 window.reload()
             case "c":
                 path = self._free("terrain-lod", ".png")
@@ -150,9 +151,9 @@ class Controls:
 
     def _step(self) -> float:
         """Return how far a key flies: the higher, the farther; world units."""
-        x, y, z = self.window.rig.eye
-        above = z - height_at(self.window.model.ground, x, y)
-        return max(0.1 * above, 1e-3 * self.window.settings.diagonal)
+        scene, (x, y, z) = self.window.model.scene, self.window.rig.eye
+        above = min(z - scene.floor(x, y), 0.5 * scene.diagonal)
+        return max(0.1 * above, 1e-3 * scene.diagonal)
 
     def _free(self, stem: str, ending: str) -> Path:
         """Return the first name that no file has."""
@@ -198,7 +199,7 @@ class Controls:
     # sliders
 
     def _add_sliders(self) -> None:
-        for slider in sliders(self.window.settings.diagonal):
+        for slider in self.window.settings.numbers:
             low, high = slider.on_scale(slider.low), slider.on_scale(slider.high)
             widget = self.window.plotter.add_slider_widget(
                 lambda value, slider=slider: self._slide(slider, value),
@@ -227,7 +228,7 @@ class Controls:
         settings, row, fresh = self.window.settings, 0, False
         self._synced = settings, self.window.texts_shown
         shown = {slider.name for slider in settings.sliders} if self.window.texts_shown else set()
-        for slider in sliders(settings.diagonal):
+        for slider in settings.numbers:
             widget = self.widgets[slider.name]
             shape = widget.GetRepresentation()
             value = getattr(settings, slider.name)

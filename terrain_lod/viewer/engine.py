@@ -11,7 +11,8 @@ from threading import Condition, Thread
 from typing import Final
 
 from ..errors import TerrainError
-from .model import Frame, Model, Request
+from .model import Model
+from .scene import Frame, Request
 
 _log = logging.getLogger(__name__)
 
@@ -45,9 +46,9 @@ class Engine:
         self._thread.start()
 
     def ask(self, request: Request, *, reload: bool = False) -> None:
-        """Want this picture, instead of any that is not begun; with `reload` of ground read again.
+        """Want this picture, instead of any that is not begun; with `reload` of a scene read again.
 
-        If the ground cannot be read, there is no picture either.
+        If it cannot be read, there is no picture either.
         """
         with self._changed:
             self._request = request
@@ -103,11 +104,11 @@ class Engine:
         try:
             if reload:
                 self._model.reload()
-            frame = self._model.frame(request)
+            frame = self._model.scene.frame(request)
             self.problem = None
             self._publish(frame)
             if not self._disturbed(_REST):
-                self._publish(self._model.measured(frame))
+                self._publish(frame.measured())
         except (TerrainError, OSError, MemoryError) as error:
             self.problem = " ".join(str(error).split()) or type(error).__name__
         except Exception as error:  # a viewer that dies of one picture has lost its user's place

@@ -12,20 +12,32 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, Protocol
 
 import numpy as np
 
 from ..arguments import finite
 from ..camera import Camera, Point, Vectors
 from ..heightmap import Heightmap
+from ..mesh import Mesh
 
 _STEEPEST: Final = 89.5  # degrees; at 90 up would be along the view
 _NEAREST, _FARTHEST = 1e-4, 4.0  # distance to the target, in diagonals of the ground
 _REACH: Final = 4.0  # how far the eye goes from the middle of the ground, in diagonals
 _MOST_LOOKS: Final = 100_000  # along a ray
 _BEYOND: Final = 1e15  # world units
+_BEFORE: Final = 1e-5  # nothing nearer than that is seen, in distances to the target
 _CLEARANCE: Final = 5e-4  # between eye and ground, in diagonals
+
+
+class Place(Protocol):
+    """What a camera is driven around in, see :class:`terrain_lod.viewer.scene.Scene`."""
+
+    centre: Point
+    diagonal: float
+
+    def floor(self, x: float, y: float) -> float:
+        """Return the height that an eye at a world point stays above."""
 
 
 @dataclass(frozen=True)
@@ -78,9 +90,10 @@ class Rig:
         x, y, z = np.subtract(self.target, np.multiply(self.distance, self.forward))
         return float(x), float(y), float(z)
 
-    def camera(self, size: tuple[int, int], near: float = 0.1) -> Camera:
+    def camera(self, size: tuple[int, int]) -> Camera:
         """Return the camera for a picture of `size`; a picture without pixels counts as one."""
         width, height = (max(1, int(extent)) for extent in size)
+        near = _BEFORE * self.distance
         return Camera(self.eye, self.target, fov=self.fov, size=(width, height), near=near)
 
     def orbit(self, right: float, upward: float) -> Rig:
@@ -106,25 +119,24 @@ class Rig:
         across = self.camera((1, 1)).axes[0]
         return self._moved(np.multiply(forward, self.forward) + right * across)
 
-    def within(self, ground: Heightmap) -> Rig:
+    def within(self, scene: Place) -> Rig:
         """Return the rig kept above the ground, near enough to see it, and never upside down."""
-        diagonal = float(np.hypot(*ground.extent))
+        diagonal = scene.diagonal
         distance = min(max(self.distance, _NEAREST * diagonal), _FARTHEST * diagonal)
-        # what is no number, or beyond all distances, starts again over the middle of the ground
+        # what is no number, or beyond all distances, starts again over the middle
         known = all(abs(value) < _BEYOND for value in self.target)
         held = replace(
             self,
-            target=self.target if known else ground.centre,
+            target=self.target if known else scene.centre,
             distance=distance if math.isfinite(distance) else diagonal,
             heading=self.heading % 360.0 if math.isfinite(self.heading) else 0.0,
             pitch=_steep(self.pitch) if math.isfinite(self.pitch) else -45.0,
         )
-        centre, eye = np.array(ground.centre), np.array(held.eye)
+        centre, eye = np.array(scene.centre), np.array(held.eye)
         away = math.dist(eye, centre)
         if away > _REACH * diagonal:
             eye = centre + (eye - centre) * (_REACH * diagonal / away)
-        floor = height_at(ground, eye[0], eye[1]) + _CLEARANCE * diagonal
-        eye[2] = max(eye[2], floor)
+        eye[2] = max(eye[2], scene.floor(eye[0], eye[1]) + _CLEARANCE * diagonal)
         return held._standing_at((float(eye[0]), float(eye[1]), float(eye[2])))
 
     def _moved(self, shift: Vectors) -> Rig:
@@ -176,12 +188,7 @@ def ground_seen(ground: Heightmap, camera: Camera, x: float, y: float) -> Point 
     x, y : float
         Pixel, counted from the lower left.
     """
-    width, height = camera.size
-    across, up = camera.half_extents
-    right, upward, forward = camera.axes
-    shares = 2 * (x + 0.5) / width - 1, 2 * (y + 0.5) / height - 1
-    ray = forward + shares[0] * across * right + shares[1] * up * upward
-    eye = np.array(camera.eye)
+    eye, ray = np.array(camera.eye), _ray(camera, x, y)
     # where the ray is over the ground and no higher than its summits
     low, high = ground.height_range
     (x0, y0), (wide, deep) = ground.origin, ground.extent
@@ -205,6 +212,58 @@ def ground_seen(ground: Heightmap, camera: Camera, x: float, y: float) -> Point 
         share = above[first - 1] / (above[first - 1] - above[first])
         place = points[first - 1] + share * (points[first] - points[first - 1])
     return float(place[0]), float(place[1]), float(place[2])
+
+
+def triangle_seen(mesh: Mesh, camera: Camera, x: float, y: float) -> tuple[int, Point] | None:
+    r"""Return the triangle that a pixel shows and the world point on it; None beside the mesh.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    camera : Camera
+    x, y : float
+        Pixel, counted from the lower left.
+
+    Notes
+    -----
+    Seen along the ray, every triangle is flat, and those that the ray meets hold the point 0::
+
+            c           orientations of 0ab, 0bc, 0ca: all of them left, or all of them right;
+           / \          they are the weights of c, a and b where the ray meets the triangle
+          / 0 \
+         a-----b
+    """
+    ray = _ray(camera, x, y)
+    across = np.cross(ray, camera.axes[1])
+    axes = np.stack([across, np.cross(across, ray), ray / (ray @ ray)], axis=1)
+    seen = (mesh.vertices + (mesh.origin - camera.eye)) @ axes
+    a, b, c = (seen[mesh.triangles[:, corner]] for corner in range(3))
+    weights = np.stack([_turn(b, c), _turn(c, a), _turn(a, b)], axis=1)
+    met = np.flatnonzero((weights >= 0).all(axis=1) | (weights <= 0).all(axis=1))
+    deep = np.stack([a[met, 2], b[met, 2], c[met, 2]], axis=1)
+    with np.errstate(invalid="ignore"):  # triangles seen from their side have no weights
+        depths = (weights[met] * deep).sum(axis=1) / weights[met].sum(axis=1)
+    depths[~(depths > 0)] = np.inf
+    if not (depths < np.inf).any():
+        return None
+    first = int(depths.argmin())
+    point = np.add(camera.eye, depths[first] * ray)
+    return int(met[first]), (float(point[0]), float(point[1]), float(point[2]))
+
+
+def _turn(a: Vectors, b: Vectors) -> Vectors:
+    turn: Vectors = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    return turn
+
+
+def _ray(camera: Camera, x: float, y: float) -> Vectors:
+    """Return the direction, 1 deep, in which the middle of a pixel looks."""
+    width, height = camera.size
+    across, up = camera.half_extents
+    right, upward, forward = camera.axes
+    shares = 2 * (x + 0.5) / width - 1, 2 * (y + 0.5) / height - 1
+    ray: Vectors = forward + shares[0] * across * right + shares[1] * up * upward
+    return ray
 
 
 def _steep(pitch: float) -> float:

@@ -18,9 +18,13 @@ from ..drawing.colours import (
     sun_direction,
     to_bytes,
 )
+from ..drawing.drape import Drape
+from ..heightmap import Heightmap
 from ..mesh import Mesh
 
 Bytes = npt.NDArray[np.uint8]
+Sun = tuple[float, float]
+"""Where the light comes from: degrees clockwise from north, degrees above the horizon."""
 
 # nothing to much
 HEAT_STOPS: Final[Stops] = (
@@ -39,6 +43,7 @@ ERROR_STOPS: Final[Stops] = (
     (1.00, 0.70, 0.08, 0.10),
 )
 PAPER: Final = (0.97, 0.97, 0.95)
+CLAY: Final = (0.86, 0.80, 0.72)
 _SHADE: Final = 0.55  # light of a slope that faces away, where colours stand for numbers
 _STEPS: Final = 512  # of the error ramp
 
@@ -53,16 +58,19 @@ class Paint:
         One a vertex or one a triangle.
     legend : str
         What the colours stand for.
-    texture : (R, C, 3) uint8 or None
-        A colour a sample of the ground, which `colours` then shade.
+    drape : Drape or None
+        A picture of the ground, which `colours` then shade.
     """
 
     colours: Bytes
     legend: str
-    texture: Bytes | None = None
+    drape: Drape | None = None
 
 
-def shaded(mesh: Mesh, sun: tuple[float, float], height_range: tuple[float, float]) -> Paint:
+UNPAINTED: Final = Paint(np.empty((0, 3), np.uint8), "")
+
+
+def by_height(mesh: Mesh, sun: Sun, height_range: tuple[float, float]) -> Paint:
     """Tint by height, under the sun."""
     heights = mesh.vertices[:, 2] + np.float32(mesh.origin[2])
     tints = hypsometric(heights, mesh.normals, height_range)
@@ -71,31 +79,49 @@ def shaded(mesh: Mesh, sun: tuple[float, float], height_range: tuple[float, floa
     return Paint(to_bytes(lit(tints, mesh.normals, sun_direction(*sun))), legend)
 
 
+def of_clay(mesh: Mesh, sun: Sun) -> Paint:
+    """Leave the mesh in one colour under the sun, with some light from all around."""
+    facing_sun = np.maximum(mesh.normals @ sun_direction(*sun), 0.0)
+    light = np.minimum(0.45 + 0.20 * mesh.normals[:, 2] + 0.65 * facing_sun, 1.0)
+    colours = light[:, None] * np.asarray(CLAY, np.float32)
+    return Paint(to_bytes(colours.astype(np.float32)), "one colour, under the sun")
+
+
 def paper(mesh: Mesh) -> Paint:
     """Leave the triangles white; their edges are drawn."""
     colour = to_bytes(np.asarray(PAPER, np.float32))
     return Paint(np.tile(colour, (len(mesh.vertices), 1)), "edges of the triangles")
 
 
-def by_detail(mesh: Mesh, sun: tuple[float, float]) -> Paint:
+def by_detail(
+    mesh: Mesh,
+    sun: Sun,
+    edge_factors: npt.NDArray[np.float32],
+    triangle_offsets: npt.NDArray[np.int64],
+    most: float,
+) -> Paint:
     """Colour the patches by their edges' factors, the book's code."""
-    assert mesh.patches is not None
-    top = max(2.0, float(mesh.patches.tile))
-    colours = lod_colours(mesh.patches.edge_factors.mean(axis=1), (1.0, top))
-    legend = f"factor of a patch: black 1, blue, green, yellow, red {top:g}"
-    return Paint(to_bytes(_of_patches(colours, mesh, sun)), legend)
+    top = max(2.0, most)
+    colours = lod_colours(edge_factors.mean(axis=1), (1.0, top))
+    legend = f"factor of a patch: black 1, blue, green, yellow, red {top:.3g}"
+    return Paint(_of_patches(colours, triangle_offsets, mesh, sun), legend)
 
 
-def by_deviation(mesh: Mesh, sun: tuple[float, float], rough: float) -> Paint:
+def by_deviation(
+    mesh: Mesh,
+    sun: Sun,
+    deviations: npt.NDArray[np.float32],
+    triangle_offsets: npt.NDArray[np.int64],
+    rough: float,
+) -> Paint:
     """Colour the patches by how far their ground leaves its plane; `rough` is the brightest."""
-    assert mesh.patches is not None
-    shares = np.nan_to_num(mesh.patches.deviation) / (rough or 1.0)
+    shares = np.nan_to_num(deviations) / (rough or 1.0)
     colours = ramp(HEAT_STOPS, shares.astype(np.float32))
     legend = f"deviation from a tile's plane: dark 0, bright {rough:.3g} m and more"
-    return Paint(to_bytes(_of_patches(colours, mesh, sun)), legend)
+    return Paint(_of_patches(colours, triangle_offsets, mesh, sun), legend)
 
 
-def by_error(mesh: Mesh, sun: tuple[float, float], field: npt.NDArray[np.float32]) -> Paint:
+def by_error(mesh: Mesh, sun: Sun, field: npt.NDArray[np.float32], ground: Heightmap) -> Paint:
     """Colour every sample by its vertical error (R, C), NaN where it was not measured."""
     top = float(np.nanmax(np.abs(field), initial=0.0)) or 1.0
     table = to_bytes(ramp(ERROR_STOPS, np.linspace(-1, 1, _STEPS, dtype=np.float32)))
@@ -103,20 +129,23 @@ def by_error(mesh: Mesh, sun: tuple[float, float], field: npt.NDArray[np.float32
     light = 255 * _light(mesh.normals, sun)
     legend = f"vertical error: red {top:.3g} m above the ground, white 0, blue below"
     colours = np.repeat(light.astype(np.uint8)[:, None], 3, axis=1)
-    return Paint(colours, legend, table[steps.astype(np.intp)])
+    return Paint(colours, legend, Drape(table[steps.astype(np.intp)], ground))
 
 
 def by_normal(mesh: Mesh) -> Paint:
     """Colour the vertices by their normals: red east, green north, blue up."""
-    return Paint(to_bytes((0.5 + 0.5 * mesh.normals).astype(np.float32)), "red east, green north")
+    colours = to_bytes((0.5 + 0.5 * mesh.normals).astype(np.float32))
+    return Paint(colours, "red east, green north, blue up")
 
 
-def _light(normals: npt.NDArray[np.float32], sun: tuple[float, float]) -> npt.NDArray[np.float32]:
+def _light(normals: npt.NDArray[np.float32], sun: Sun) -> npt.NDArray[np.float32]:
     light: npt.NDArray[np.float32] = np.maximum(normals @ sun_direction(*sun), 0.0)
     return _SHADE + (1 - _SHADE) * light
 
 
-def _of_patches(colours: Colours, mesh: Mesh, sun: tuple[float, float]) -> Colours:
+def _of_patches(
+    colours: Colours, triangle_offsets: npt.NDArray[np.int64], mesh: Mesh, sun: Sun
+) -> Bytes:
     """Return the colour of each triangle: its patch's, with enough light to see relief."""
     light = _light(mesh.normals, sun)[mesh.triangles[:, 0]]
-    return colours[mesh.triangle_patches] * light[:, None]
+    return to_bytes(np.repeat(colours, np.diff(triangle_offsets), axis=0) * light[:, None])

@@ -1,7 +1,7 @@
 """The viewer as a page: the same scene and settings, drawn here, shown in a browser.
 
 Uses pyvista's own web backend, trame. The page's controls are built from the tables of
-``viewer_settings``; mouse events reach the window's own controls.
+``settings``; mouse events reach the window's own controls.
 """
 
 from __future__ import annotations
@@ -14,22 +14,16 @@ from ..camera import Camera
 from ..errors import InputError, MissingExtraError, TerrainError
 from .controls import Controls
 from .model import Model
-from .settings import CHOICES, Settings, Slider, sliders
+from .settings import Slider
 from .window import Window
 
 _PERIOD: Final = 0.03  # seconds between two looks for something new
-_LABELS: Final = {
-    "lod": "level of detail",
-    "edges": "factor of shared edges",
-    "tile": "cells along a tile",
-}
 
 
 def serve(
     model: Model,
     camera: Camera,
     *,
-    settings: Settings | None = None,
     host: str = "127.0.0.1",
     port: int = 8080,
     open_browser: bool = False,
@@ -41,7 +35,6 @@ def serve(
     model : Model
     camera : Camera
         Where to begin; the page sets the size.
-    settings : Settings, optional
     host : str, optional
         Address to listen on; anyone who reaches it can use the viewer.
     port : int, optional
@@ -60,7 +53,6 @@ def serve(
     _require_port(host, port)
     window = Window(model, camera, off_screen=True)
     try:
-        window.apply(settings or window.settings)
         window.texts_shown = False
         page = Page(window)
         page.server.start(
@@ -97,13 +89,12 @@ class Page:
         self._state.trame__title = "terrain-lod"
         self._known: dict[str, Any] = {}  # settings as the page has them
         self._view: Any = None
-        self._diagonal = window.settings.diagonal
         self._share_settings()
         self._share_readout()
         self._build()
-        for choice in CHOICES:
+        for choice in window.settings.choices:
             self._state.change(choice.name)(self._taker(choice.name))
-        for slider in sliders(self._diagonal):
+        for slider in window.settings.numbers:
             self._state.change(slider.name)(self._taker(slider.name, slider))
         self.server.controller.on_server_ready.add(lambda **_: asyncio.ensure_future(self._run()))
 
@@ -128,13 +119,15 @@ class Page:
     def _share_settings(self) -> None:
         """Send the settings that the page did not set itself: those would fight with its hand."""
         settings = self.window.settings
-        for choice in CHOICES:
+        for choice in settings.choices:
             self._share(choice.name, getattr(settings, choice.name))
         shown = {slider.name for slider in settings.sliders}
-        for slider in sliders(settings.diagonal):
+        for slider in settings.numbers:
             value = getattr(settings, slider.name)
             self._share(slider.name, slider.on_scale(value))
             self._state[f"{slider.name}_said"] = slider.said(value)
+            self._state[f"{slider.name}_low"] = slider.on_scale(slider.low)
+            self._state[f"{slider.name}_high"] = slider.on_scale(slider.high)
             self._state[f"{slider.name}_shown"] = slider.name in shown
 
     def _share(self, name: str, value: Any) -> None:
@@ -195,8 +188,8 @@ class Page:
     def _build_controls(self) -> None:
         from trame.widgets import html, vuetify3
 
-        for choice in CHOICES:
-            label = _LABELS.get(choice.name, choice.name)
+        for choice in self.window.settings.choices:
+            label = choice.label or choice.name
             if isinstance(choice.values[0], bool):
                 vuetify3.VSwitch(
                     v_model=(choice.name,), label=label, id=choice.name, **_DENSE, color="primary"
@@ -209,14 +202,14 @@ class Page:
                     id=choice.name,
                     **_DENSE,
                 )
-        for slider in sliders(self._diagonal):
+        for slider in self.window.settings.numbers:
             low, high = slider.on_scale(slider.low), slider.on_scale(slider.high)
             with html.Div(v_show=(f"{slider.name}_shown",), classes="px-4"):
                 html.Small(f"{slider.label}: {{{{ {slider.name}_said }}}}")
                 vuetify3.VSlider(
                     v_model=(slider.name,),
-                    min=low,
-                    max=high,
+                    min=(f"{slider.name}_low",),
+                    max=(f"{slider.name}_high",),
                     step=1 if slider.whole and not slider.logarithmic else (high - low) / 500,
                     id=slider.name,
                     **_DENSE,

@@ -10,29 +10,23 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, Final
-
-import numpy as np
+from typing import Any, Final
 
 from ..camera import Camera
-from ..drawing.drape import Drape
-from ..drawing.graphics import require_graphics
-from ..drawing.render import HORIZON, INK, ZENITH, Picture, save_png, stand
+from ..drawing.render import Picture, save_png
 from ..errors import InputError
 from .engine import Engine
-from .model import Frame, Model, Request, frustum
+from .model import Model
+from .scene import Frame, Request
 from .settings import Settings
-from .viewer_camera import Rig, ground_seen
+from .stage import Stage
+from .viewer_camera import Rig
 
-if TYPE_CHECKING:
-    import pyvista
-
-_FRUSTUM: Final = (0.95, 0.80, 0.10)
-_MARK: Final = (0.95, 0.10, 0.60)
-_TEXT_SIZE: Final = 14
 # a new mesh that comes this soon is worth waiting for: drawing the old one would hold it up
 _PATIENCE: Final = 0.1  # seconds
-_LOOK_AFTER: Final = 1.0  # seconds between looks at the ground's file
+_LOOK_AFTER: Final = 1.0  # seconds between looks at the model's file
+_LONG: Final = 0.5  # seconds after which a mesh that is not there is worth a word
+_FRUSTUM: Final = 0.35  # how deep it is drawn, in diagonals
 
 
 class Window:
@@ -47,7 +41,8 @@ class Window:
 
     Attributes
     ----------
-    plotter : pyvista.Plotter
+    stage : Stage
+        What is drawn.
     engine : Engine
     settings : Settings
     rig : Rig
@@ -65,51 +60,31 @@ class Window:
     """
 
     def __init__(self, model: Model, camera: Camera, *, off_screen: bool = False) -> None:
-        require_graphics()
-        import pyvista
-
+        self.stage = Stage(camera.size, off_screen)
+        self.plotter = self.stage.plotter
         self.model, self.engine = model, Engine(model)
-        self.settings: Settings = model.settings()
-        self.home = self.rig = Rig.of(camera).within(model.ground)
+        self.settings: Settings = model.scene.settings
+        self.home = self.rig = Rig.of(camera).within(model.scene)
         self.frame: Frame | None = None
         self.note = ""
         self.draw_seconds = 0.0
         self.texts_shown = True
-        self.plotter = pyvista.Plotter(
-            off_screen=off_screen, window_size=list(camera.size), lighting=None, title="terrain-lod"
-        )
-        self.plotter.disable_anti_aliasing()
-        self.plotter.set_background(HORIZON, top=ZENITH)
+        self._scene = model.scene
         self._frozen: Camera | None = None
         self._dirty = True
         self._size: tuple[int, int] | None = None
-        self._asked = 0
+        self._asked, self._asked_at = 0, perf_counter()
+        self._late = False  # whether the mesh that was asked for takes long
         self._problem: str | None = None
         self._looked = perf_counter()
         self._waiting: float | None = None  # since when there is something to draw
-        self._origin = np.zeros(3)
-        self._ground = model.ground
-        self._surface = self._add(pyvista.PolyData(np.zeros((1, 3), np.float32)), color="white")
-        self._surface.mapper.scalar_visibility = True
-        self._surface.prop.interpolation = "Flat"  # colours are lit already: no normals
-        self._frustum = self._add(pyvista.PolyData(np.zeros((1, 3))), color=_FRUSTUM, line_width=2)
-        self._mark = self._add(
-            pyvista.PolyData(np.zeros((1, 3))),
-            color=_MARK,
-            point_size=14,
-            render_points_as_spheres=True,
-        )
-        for actor in (self._surface, self._frustum, self._mark):
-            actor.visibility = False
-        self._readout, self._footer = self._text(0.99, "top"), self._text(0.01, "bottom")
 
     # what is wanted
 
     @property
     def size(self) -> tuple[int, int]:
         """Width and height in pixels; 0 where the window is folded away."""
-        width, height = self.plotter.render_window.GetSize()
-        return int(width), int(height)
+        return self.stage.size
 
     @property
     def camera(self) -> Camera:
@@ -118,7 +93,7 @@ class Window:
 
     def drive(self, rig: Rig) -> None:
         """Move the camera, as far as the ground lets it, and want the mesh for it."""
-        self.rig = rig.within(self.model.ground)
+        self.rig = rig.within(self.model.scene)
         self._dirty = True
         if self._frozen is None:
             self.ask()
@@ -139,7 +114,7 @@ class Window:
 
     def ask(self, *, reload: bool = False) -> None:
         """Want a mesh for the camera and the settings as they are."""
-        self._asked += 1
+        self._asked, self._asked_at = self._asked + 1, perf_counter()
         camera = self._frozen or self.camera
         self.engine.ask(Request(camera, self.settings, self._asked), reload=reload)
 
@@ -171,9 +146,11 @@ class Window:
         return True
 
     def _listen(self) -> None:
-        """Note what went wrong, and once a second what became of the ground's file."""
+        """Note what goes wrong or takes long, and once a second what became of the file."""
         news = self.engine.problem if self.engine.problem != self._problem else None
         self._problem = self.engine.problem
+        late = self.engine.working and perf_counter() - self._asked_at > _LONG
+        self._dirty, self._late = self._dirty or late != self._late, late
         if perf_counter() - self._looked > _LOOK_AFTER:
             self._looked = perf_counter()
             news = news or self.model.news()
@@ -184,11 +161,8 @@ class Window:
         """Draw what is there."""
         self._dirty, self._waiting = False, None
         begun = perf_counter()
-        camera: Any = self.plotter.camera
-        stand(camera, self.camera, self._origin)
-        self._write()
-        self.plotter.renderer.ResetCameraClippingRange()
-        self.plotter.render_window.Render()
+        self.stage.write("\n".join(self.lines()) if self.texts_shown else "", self.note)
+        self.stage.draw(self.camera)
         self.draw_seconds = perf_counter() - begun
 
     def settle(self, seconds: float = 60.0, *, measured: bool = False) -> Frame:
@@ -228,124 +202,37 @@ class Window:
         if min(self.size) < 1:
             raise InputError(f"expected a window with pixels for a picture, got {self.size}")
         self.draw()
-        shown = self._pixels()
+        shown = self.stage.pixels()
         if path is not None:
             save_png(shown, path)
         return shown
 
-    def _pixels(self) -> Picture:
-        from vtkmodules.util.numpy_support import vtk_to_numpy
-        from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
-
-        width, height = self.size
-        pixels = vtkUnsignedCharArray()
-        self.plotter.render_window.GetPixelData(0, 0, width - 1, height - 1, 0, pixels, 0)
-        # VTK counts rows from below
-        return np.asarray(vtk_to_numpy(pixels)).reshape(height, width, 3)[::-1].copy()
-
     def pick(self, x: int, y: int) -> None:
-        """Note what is known of the ground at a pixel, counted from the lower left."""
-        frame, self._dirty = self.frame, True
-        if frame is None:
-            return
-        place = ground_seen(frame.terrain.ground, self.camera, x, y)
-        if place is None:
-            self.note, self._mark.visibility = "nothing there", False
-            return
-        pick = frame.pick(place[0], place[1])
-        self.note = "\n".join(pick.lines())
-        self._place(self._mark, np.subtract(pick.point, self._origin)[None])
+        """Note what is known of what a pixel shows, counted from the lower left."""
+        self._dirty = True
+        if self.frame is not None:
+            pick = self.frame.pick(self.camera, x, y)
+            self.note = "nothing there" if pick is None else "\n".join(pick.lines())
+            self.stage.show_mark(None if pick is None else pick.point)
 
     def lines(self) -> tuple[str, ...]:
         """Return the read-out."""
         if self.frame is None:
             return ("making the first mesh",)
-        return (*self.frame.lines(), f"drawn in {1e3 * self.draw_seconds:.0f} ms")
+        late = "  making the next mesh" if self._late else ""
+        return (*self.frame.lines(), f"drawn in {1e3 * self.draw_seconds:.0f} ms{late}")
 
     def close(self) -> None:
         """End the engine and the window."""
         self.engine.close()
         self.plotter.close()
 
-    # how it is shown
-
     def _show(self, frame: Frame) -> None:
-        import pyvista
-
         self.frame, self._dirty = frame, True
-        self._origin = frame.mesh.origin
-        mesh, mode = frame.mesh, frame.request.settings.mode
-        visible = len(mesh.triangles) > 0
-        self._surface.visibility = visible
-        if visible:
-            surface = pyvista.PolyData.from_regular_faces(mesh.vertices, mesh.triangles)
-            colours = frame.paint.colours
-            data = surface.point_data if len(colours) == surface.n_points else surface.cell_data
-            data["colour"] = colours
-            data.active_scalars_name = "colour"
-            self._drape(surface, frame)
-            self._surface.mapper.SetInputData(surface)
-        self._surface.prop.show_edges = mode == "wireframe"
-        self._surface.prop.edge_color = INK
-        self._show_frustum()
-        if self._ground is not frame.terrain.ground:
-            self._ground = frame.terrain.ground
-            diagonal = self.model.settings().diagonal
-            self.settings = replace(self.settings, diagonal=diagonal)
-            self.home = self.home.within(self._ground)
-            self.rig = self.rig.within(self._ground)
-
-    def _drape(self, surface: pyvista.PolyData, frame: Frame) -> None:
-        """Lay the texture over the surface, or take it off."""
-        if frame.paint.texture is None:
-            self._surface.SetTexture(None)
-        else:
-            drape = Drape(frame.paint.texture, frame.terrain.ground)
-            drape.lay(frame.mesh, surface, self._surface)
-
-    def _show_frustum(self) -> None:
-        self._frustum.visibility = self._frozen is not None
-        if self._frozen is None:
-            return
-        reach = 0.35 * self.settings.diagonal
-        sides = [[0, 1], [0, 2], [0, 3], [0, 4], [1, 2], [2, 3], [3, 4], [4, 1]]
-        self._place(self._frustum, frustum(self._frozen, reach) - self._origin, sides)
-
-    def _place(self, actor: Any, points: Any, lines: list[list[int]] | None = None) -> None:
-        import pyvista
-
-        shape = pyvista.PolyData(np.asarray(points, np.float32))
-        if lines is not None:
-            shape = pyvista.PolyData(
-                shape.points, lines=np.insert(np.array(lines), 0, 2, axis=1).ravel()
-            )
-        actor.mapper.SetInputData(shape)
-        actor.visibility = True
-
-    def _add(self, surface: pyvista.PolyData, **look: Any) -> Any:
-        return self.plotter.add_mesh(
-            surface, lighting=False, copy_mesh=False, reset_camera=False, render=False, **look
-        )
-
-    def _text(self, y: float, side: str) -> Any:
-        from vtkmodules.vtkRenderingCore import vtkTextActor
-
-        text = vtkTextActor()
-        text.GetPositionCoordinate().SetCoordinateSystemToNormalizedViewport()
-        text.SetPosition(0.01, y)
-        look = text.GetTextProperty()
-        look.SetFontFamilyToCourier()
-        look.SetFontSize(_TEXT_SIZE)
-        look.SetColor(0.08, 0.10, 0.14)
-        look.SetBackgroundColor(1.0, 1.0, 1.0)
-        look.SetBackgroundOpacity(0.65)
-        if side == "top":
-            look.SetVerticalJustificationToTop()
-        else:
-            look.SetVerticalJustificationToBottom()
-        self.plotter.renderer.AddViewProp(text)
-        return text
-
-    def _write(self) -> None:
-        self._readout.SetInput("\n".join(self.lines()) if self.texts_shown else "")
-        self._footer.SetInput(self.note)
+        self.stage.show(frame)
+        self.stage.show_frustum(self._frozen, _FRUSTUM * frame.scene.diagonal)
+        if self._scene is not frame.scene:
+            self._scene = frame.scene
+            self.settings = replace(self.settings, diagonal=frame.scene.diagonal)
+            self.home = self.home.within(frame.scene)
+            self.rig = self.rig.within(frame.scene)

@@ -1,0 +1,214 @@
+"""Meshes to look at, curved: PN-triangles, and Bézier patches."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+import numpy.typing as npt
+
+from ..camera import Camera, Point
+from ..curved.adjacency import Adjacency
+from ..curved.bezier import bezier
+from ..curved.creases import split_at_creases
+from ..curved.patch_factors import MAX_FACTOR
+from ..curved.pn import DevicePatchMesh, nets_on_device, patch_factors_on_device
+from ..curved.smooth import edge_factors, require_curvable, tessellate_nets, unit_normals
+from ..device import Device, DeviceArray
+from ..errors import InputError
+from ..files.bpt import as_nets
+from ..mesh import Mesh
+from .mesh_settings import BezierSettings, CurvedSettings
+from .scene import Frame, Pick, Request, Scene, numbered
+from .settings import Settings
+from .viewer_camera import triangle_seen
+from .viewer_colours import Paint, by_normal, of_clay, paper
+
+# across, back and up from the middle of a mesh to the first eye, in diagonals
+_EYE = (0.5, -1.0, 0.6)
+
+
+@dataclass(frozen=True)
+class PatchPick(Pick):
+    """What is known of a place on a mesh.
+
+    Attributes
+    ----------
+    patch : int
+    edge_factors, inside_factors : tuple of float
+    normal : (float, float, float)
+        Of the triangle there.
+    """
+
+    patch: int
+    edge_factors: tuple[float, ...]
+    inside_factors: tuple[float, ...]
+    normal: tuple[float, ...]
+
+    def lines(self) -> tuple[str, ...]:
+        return (
+            f"patch {self.patch}  at {', '.join(f'{value:,.4g}' for value in self.point)}",
+            f"factors {numbered(self.edge_factors)}  inside {numbered(self.inside_factors)}",
+            f"normal {numbered(self.normal, 3)}",
+        )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MeshFrame(Frame):
+    """A curved mesh to be drawn."""
+
+    def painted(self) -> Paint:
+        match self.request.settings.mode:
+            case "wireframe":
+                return paper(self.mesh)
+            case "lod":
+                return self.by_detail(_most(self.request.settings))
+            case "normals":
+                return by_normal(self.mesh)
+        return of_clay(self.mesh, self.sun)
+
+    def pick(self, camera: Camera, x: float, y: float) -> PatchPick | None:
+        seen = triangle_seen(self.mesh, camera, x, y)
+        if seen is None:
+            return None
+        triangle, point = seen
+        patch = int(np.searchsorted(self.triangle_offsets, triangle, "right")) - 1
+        a, b, c = self.mesh.vertices[self.mesh.triangles[triangle]].astype(np.float64)
+        across = np.cross(b - a, c - a)
+        return PatchPick(
+            point=point,
+            patch=patch,
+            edge_factors=tuple(self.edge_factors[patch].tolist()),
+            inside_factors=tuple(self.inside_factors[patch].tolist()),
+            normal=tuple((across / np.linalg.norm(across)).tolist()),
+        )
+
+
+class _Placed(Scene):
+    """What meshes have in common: a box that they stand in."""
+
+    def __init__(self, low: npt.NDArray[np.float64], high: npt.NDArray[np.float64]) -> None:
+        x, y, z = ((low + high) / 2).tolist()
+        self.centre: Point = (x, y, z)
+        self.diagonal = float(np.linalg.norm(high - low)) or 1.0
+
+    def camera(self) -> Camera:
+        eye = np.add(self.centre, np.multiply(_EYE, self.diagonal))
+        return Camera(tuple(eye.tolist()), self.centre, fov=45.0)
+
+
+class CurvedScene(_Placed):
+    """A mesh whose triangles are curved.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    device : Device, optional
+
+    Raises
+    ------
+    InputError
+        If it cannot be curved; see :func:`terrain_lod.pn_triangles`.
+    """
+
+    def __init__(self, mesh: Mesh, *, device: Device | None = None) -> None:
+        require_curvable(mesh)
+        used = mesh.vertices[mesh.triangles.ravel()].astype(np.float64) + mesh.origin
+        super().__init__(used.min(axis=0), used.max(axis=0))
+        self.mesh, self.device = mesh, device or Device.open()
+        self.settings = CurvedSettings(diagonal=self.diagonal)
+        self._nets = lru_cache(maxsize=1)(self._curved)
+
+    def tessellated(self, request: Request) -> MeshFrame:
+        settings, camera = request.settings, request.camera
+        assert isinstance(settings, CurvedSettings)
+        view = camera.view(self.mesh.origin)
+        crease = settings.crease if settings.sharp == "angle" else None
+        with self.device.timed() as timeline:
+            patches, adjacency, nets = self._nets(settings.sharp != "never", crease)
+            formula = settings.formula()
+            of_edges = edge_factors(patches, adjacency, None, formula, self.diagonal, view)
+            factors = patch_factors_on_device(
+                patches,
+                nets,
+                of_edges,
+                view,
+                cull=True,
+                back_cosine=None if settings.back_faces else 0.0,
+            )
+            mesh = tessellate_nets(
+                self.mesh,
+                nets,
+                factors,
+                settings.partitioning,
+                settings.normals == "linear",
+                timeline,
+            )
+        # vertices are not shared between patches
+        owners = np.searchsorted(mesh.point_offsets, mesh.triangles[:, 0], "right") - 1
+        return MeshFrame(
+            request=request,
+            scene=self,
+            mesh=mesh,
+            edge_factors=factors.edge.host(),
+            inside_factors=factors.inside.host(),
+            triangle_offsets=np.searchsorted(owners, np.arange(patches.count + 1)),
+        )
+
+    def _curved(
+        self, sharp: bool, crease: float | None
+    ) -> tuple[DevicePatchMesh, Adjacency, DeviceArray]:
+        """Return the patches, how they meet, and their control nets."""
+        source = self.mesh if crease is None else split_at_creases(self.mesh, crease)
+        adjacency = Adjacency.of(source)
+        if not sharp:
+            adjacency = adjacency.without_neighbours()
+        patches = DevicePatchMesh.upload(
+            source.vertices, unit_normals(source.normals), adjacency, self.device
+        )
+        return patches, adjacency, nets_on_device(patches)
+
+
+class BezierScene(_Placed):
+    """Bicubic Bézier patches.
+
+    Parameters
+    ----------
+    patches : (P, 4, 4, 3) array_like
+    device : Device, optional
+
+    Raises
+    ------
+    InputError
+        If they are no such patches, or none.
+    """
+
+    def __init__(self, patches: npt.ArrayLike, *, device: Device | None = None) -> None:
+        self.nets = as_nets(patches)
+        if not len(self.nets):
+            raise InputError("expected patches to look at, got none")
+        points = self.nets.reshape(-1, 3)
+        super().__init__(points.min(axis=0), points.max(axis=0))
+        self.device = device or Device.open()
+        self.settings = BezierSettings(diagonal=self.diagonal)
+
+    def tessellated(self, request: Request) -> MeshFrame:
+        settings, count = request.settings, len(self.nets)
+        factor = settings.factor if settings.tessellated else 1.0
+        mesh = bezier(
+            self.nets, factor=factor, partitioning=settings.partitioning, device=self.device
+        )
+        return MeshFrame(
+            request=request,
+            scene=self,
+            mesh=mesh,
+            edge_factors=np.full((count, 4), factor, np.float32),
+            inside_factors=np.full((count, 2), factor, np.float32),
+            triangle_offsets=np.arange(count + 1) * (len(mesh.triangles) // count),
+        )
+
+
+def _most(settings: Settings) -> float:
+    """Return the largest factor that can be expected, for the colours."""
+    return MAX_FACTOR if settings.lod == "uniform" else settings.maximum

@@ -1,0 +1,204 @@
+"""Ground to look at, on the device."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from ..camera import Camera
+from ..device import Device
+from ..drawing.viewpoint import default_camera
+from ..heightmap import Heightmap
+from ..measure.error import vertical_error
+from ..measure.screen_error import screen_error
+from ..terrain import Terrain
+from .scene import Frame, Pick, Request, Scene, numbered
+from .terrain_settings import TerrainSettings
+from .viewer_camera import ground_seen, height_at
+from .viewer_colours import Paint, by_deviation, by_error, by_height, by_normal, paper
+
+
+@dataclass(frozen=True)
+class Measured:
+    """The largest error of a mesh, measured at every sample it covers.
+
+    Attributes
+    ----------
+    metres : float
+        Vertical, in the raster's unit.
+    pixels : float or None
+        In the picture; None if it was not measured.
+    """
+
+    metres: float
+    pixels: float | None
+
+    def __str__(self) -> str:
+        pixels = "" if self.pixels is None else f", {self.pixels:.3g} pixels"
+        return f"{self.metres:.3g} m{pixels}"
+
+
+@dataclass(frozen=True)
+class TilePick(Pick):
+    """What is known of a place on the ground.
+
+    Attributes
+    ----------
+    tile : (int, int)
+        Row and column.
+    edge_factors : tuple of float
+        West, north, east, south; 0 where the patch was culled.
+    inside_factors : tuple of float
+        Along east and south.
+    normal : (float, float, float)
+        Of the tile's plane.
+    deviation : float
+        From that plane.
+    """
+
+    tile: tuple[int, int]
+    edge_factors: tuple[float, ...]
+    inside_factors: tuple[float, ...]
+    normal: tuple[float, ...]
+    deviation: float
+
+    def lines(self) -> tuple[str, ...]:
+        x, y, z = self.point
+        return (
+            f"tile {self.tile[0]}, {self.tile[1]}  height {z:,.2f} m at {x:,.1f}, {y:,.1f}",
+            f"factors {numbered(self.edge_factors)}  inside {numbered(self.inside_factors)}",
+            f"plane {numbered(self.normal, 3)}  deviation {self.deviation:.3g} m",
+        )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TerrainFrame(Frame):
+    """Ground to be drawn.
+
+    Attributes
+    ----------
+    settings : TerrainSettings
+        Those of the request.
+    terrain : Terrain
+        What the mesh was made of.
+    error : Measured or None
+        None until it is measured.
+    """
+
+    settings: TerrainSettings
+    terrain: Terrain
+    error: Measured | None = None
+
+    def facts(self) -> tuple[str, ...]:
+        return (f"largest error {self.error or 'being measured'}",)
+
+    def painted(self) -> Paint:
+        mesh, sun, ground = self.mesh, self.sun, self.terrain.ground
+        match self.settings.mode:
+            case "wireframe":
+                return paper(mesh)
+            case "lod":
+                return self.by_detail(self.settings.tile)
+            case "deviation":
+                patches, rough = mesh.patches, self.terrain.scene.rough_deviation
+                assert patches is not None
+                return by_deviation(mesh, sun, patches.deviation, self.triangle_offsets, rough)
+            case "error":
+                device = self.terrain.device
+                field = vertical_error(mesh, ground, field=True, device=device).field
+                assert field is not None
+                return by_error(mesh, sun, field, ground)
+            case "normals":
+                return by_normal(mesh)
+        return by_height(mesh, sun, ground.height_range)
+
+    def measured(self) -> TerrainFrame:
+        """Return the frame with its error, measured where the mesh did not bring it."""
+        if self.error is not None and self.error.pixels is not None:
+            return self
+        ground, device = self.terrain.ground, self.terrain.device
+        metres = vertical_error(self.mesh, ground, device=device).maximum
+        pixels = screen_error(self.mesh, ground, self.request.camera, device=device).maximum
+        return replace(self, error=Measured(metres, pixels))
+
+    def pick(self, camera: Camera, x: float, y: float) -> TilePick | None:
+        place = ground_seen(self.terrain.ground, camera, x, y)
+        return None if place is None else self.at(place[0], place[1])
+
+    def at(self, x: float, y: float) -> TilePick:
+        """Return what is known of the ground at a world point, or at the nearest of its border."""
+        terrain, ground, grid = self.terrain, self.terrain.ground, self.terrain.grid
+        row = (ground.origin[1] - y) / ground.spacing[1]
+        column = (x - ground.origin[0]) / ground.spacing[0]
+        tile = _tile(grid.corner_rows, row), _tile(grid.corner_columns, column)
+        index = tile[0] * grid.shape[1] + tile[1]
+        return TilePick(
+            point=(x, y, height_at(ground, x, y)),
+            tile=tile,
+            edge_factors=tuple(self.edge_factors[index].tolist()),
+            inside_factors=tuple(self.inside_factors[index].tolist()),
+            normal=tuple(terrain.analysis.normal[tile].tolist()),
+            deviation=float(terrain.analysis.deviation[tile]),
+        )
+
+
+class TerrainScene(Scene):
+    """Ground to look at.
+
+    Parameters
+    ----------
+    ground : Heightmap
+    device : Device, optional
+    """
+
+    one_sided = True
+    settings: TerrainSettings
+
+    def __init__(self, ground: Heightmap, *, device: Device | None = None) -> None:
+        self.ground, self.device = ground, device or Device.open()
+        self.centre = ground.centre
+        self.diagonal = float(np.hypot(*ground.extent))
+        self.settings = TerrainSettings(diagonal=self.diagonal)
+        self._terrain: Terrain | None = None
+
+    def camera(self) -> Camera:
+        return default_camera(self.ground)
+
+    def floor(self, x: float, y: float) -> float:
+        return height_at(self.ground, x, y)
+
+    def terrain(self, tile: int) -> Terrain:
+        """Return the ground's terrain with tiles of `tile` cells, made when that changes."""
+        if self._terrain is None or self._terrain.grid.tile != tile:
+            self._terrain = Terrain(self.ground, tile=tile, device=self.device)
+        return self._terrain
+
+    def tessellated(self, request: Request) -> TerrainFrame:
+        settings = request.settings
+        assert isinstance(settings, TerrainSettings)
+        terrain = self.terrain(settings.tile)
+        mesh = terrain.mesh(
+            request.camera,
+            lod=settings.detail(),
+            edges=settings.edge_rule,
+            partitioning=settings.partitioning,
+        )
+        patches, achieved = mesh.patches, mesh.achieved
+        assert patches is not None
+        return TerrainFrame(
+            request=request,
+            scene=self,
+            mesh=mesh,
+            edge_factors=patches.edge_factors,
+            inside_factors=patches.inside_factors,
+            triangle_offsets=patches.triangle_offsets,
+            settings=settings,
+            terrain=terrain,
+            error=None if achieved is None else Measured(achieved.metres, achieved.pixels),
+        )
+
+
+def _tile(corners: npt.NDArray[np.int64], position: float) -> int:
+    return int(np.clip(np.searchsorted(corners, position, "right") - 1, 0, len(corners) - 2))
