@@ -1,10 +1,11 @@
 """Semi-uniform PN-triangles, after table 1 of Dyken, Reimers, Seland (2009).
 
-    python benchmarks/semi_uniform.py [--levels 3 5] [--largest 100000]
+    python benchmarks/semi_uniform.py [--levels 3 5] [--largest 100000] [--launches 200]
 
 Base meshes of the paper's sizes, seen from several sides, refined uniformly and where the
 silhouette is: level by level from queues, and each patch by itself. Times are those of a frame from
-factors to vertices, on the wall; the paper's two GPUs beside them also draw it.
+factors to vertices, on the wall; the paper's two GPUs beside them also draw it. Of patches by
+themselves, so many are timed as --launches says, taken evenly from the mesh.
 """
 
 from __future__ import annotations
@@ -33,8 +34,6 @@ from terrain_lod.curved.semi_uniform import semi_uniform_device
 from terrain_lod.pattern import DevicePattern
 
 VIEWS = 5
-# a mesh whose uniform refinement is larger than that is left out
-LARGEST = 30_000_000
 
 
 class Paper(NamedTuple):
@@ -105,16 +104,26 @@ class Scene:
         evaluate_on_device(self.nets, pattern)
         return pattern
 
-    def frame_by_patches(self, formula: EdgeFactor, view: int, maximum: int) -> None:
-        """The same, each patch by itself through all stages."""
-        levels = self.levels(formula, view, maximum).host()
-        nets = self.nets.host()
-        device = self.patches.device
-        for level, net in zip(levels, nets, strict=True):
-            pattern = semi_uniform_device(
-                device.array(level[None]), maximum=maximum, keep_degenerate=True, clockwise=True
-            )
-            evaluate_on_device(device.array(net[None]), pattern)
+    def by_patches(self, formula: EdgeFactor, maximum: int, most: int) -> float:
+        """Return triangles a second when each patch goes by itself through all stages."""
+        device, some = self.patches.device, np.linspace(0, self.count - 1, min(self.count, most))
+        chosen = some.astype(int)
+        levels = [
+            device.array(row[None]) for row in self.levels(formula, 0, maximum).host()[chosen]
+        ]
+        nets = [device.array(net[None]) for net in self.nets.host()[chosen]]
+
+        def frame() -> int:
+            triangles = 0
+            for level, net in zip(levels, nets, strict=True):
+                pattern = semi_uniform_device(
+                    level, maximum=maximum, keep_degenerate=True, clockwise=True
+                )
+                evaluate_on_device(net, pattern)
+                triangles += pattern.primitives.shape[0]
+            return triangles
+
+        return frame() / seconds(device, frame, 1)
 
 
 def seconds(device: tl.Device, work: Callable[[], object], repeats: int = 5) -> float:
@@ -133,30 +142,19 @@ def seconds(device: tl.Device, work: Callable[[], object], repeats: int = 5) -> 
 def row(paper: Paper, level: int, device: tl.Device, most_launches: int) -> str:
     """Return what one base mesh comes to, beside the paper's."""
     scene = Scene(paper.triangles, device)
-    uniform_triangles = scene.count * 4**level
     # the whole segments of the silhouette's levels: 1 .. 2^level
-    adaptive = SilhouetteFactor(minimum=1.0, maximum=2.0**level)
+    uniform, adaptive = UniformFactor(2.0**level), SilhouetteFactor(maximum=2.0**level)
     counts = [scene.frame(adaptive, view, level).primitives.shape[0] for view in range(VIEWS)]
-    triangles = sum(counts) / VIEWS
-    queued = sum(
+    evenly = scene.count * 4**level / seconds(device, lambda: scene.frame(uniform, 0, level), 3)
+    alone = scene.by_patches(adaptive, level, most_launches)
+    queued = sum(counts) / sum(
         seconds(device, lambda view=view: scene.frame(adaptive, view, level), 3)
         for view in range(VIEWS)
     )
-    speeds = [f"{sum(counts) / queued / 1e6:9.1f}"]
-    if uniform_triangles <= LARGEST:
-        uniform = UniformFactor(2.0**level)
-        taken = seconds(device, lambda: scene.frame(uniform, 0, level), 3)
-        speeds.insert(0, f"{uniform_triangles / taken / 1e6:9.1f}")
-    else:
-        speeds.insert(0, f"{'-':>9}")
-    if scene.count <= most_launches:
-        taken = seconds(device, lambda: scene.frame_by_patches(adaptive, 0, level), 1)
-        speeds.insert(1, f"{counts[0] / taken / 1e6:9.3f}")
-    else:
-        speeds.insert(1, f"{'-':>9}")
+    here = " ".join(f"{speed / 1e6:9.3g}" for speed in (evenly, alone, queued))
     return (
-        f"{scene.count:7,} {uniform_triangles:11,} {triangles:11,.0f} {paper.adaptive:11,} "
-        f"{' '.join(speeds)}   {paper.uniform[0]:5g} {paper.uniform[1]:5g}  "
+        f"{scene.count:7,} {scene.count * 4**level:11,} {sum(counts) / VIEWS:11,.0f} "
+        f"{paper.adaptive:11,} {here}   {paper.uniform[0]:5g} {paper.uniform[1]:5g}  "
         f"{paper.launches[0]:5g} {paper.launches[1]:5g}  {paper.queues:5g}"
     )
 
@@ -166,7 +164,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--levels", type=int, nargs="+", default=[3, 5], choices=(3, 5))
     parser.add_argument("--largest", type=int, default=100_000, help="triangles of a base mesh")
-    parser.add_argument("--launches", type=int, default=1_100, help="most patches one by one")
+    parser.add_argument("--launches", type=int, default=200, help="patches timed one by one")
     parser.add_argument("--device", help="part of a device's name, cpu or gpu")
     options = parser.parse_args()
     device = tl.Device.open(options.device)
