@@ -1,12 +1,12 @@
 // What cannot be seen of a PN-triangle, from its ten control points: the patch lies in their convex
-// hull, and its normals in that of fifteen control normals.
+// hull, and the triangles that it is drawn with are turned like products of its control tangents.
 #ifndef PN_CULL_H
 #define PN_CULL_H
 
 #include "frustum.h"
 #include "pn_net.h"
 
-enum { CONTROLS = 10, TANGENTS = 6, NORMALS_SIDE = 5 };
+enum { CONTROLS = 10, TANGENTS = 6, TANGENT_LANES = 8, SIDES = 3 };
 
 // the control points' exponents of u, v, w, in the order of the net
 //
@@ -15,14 +15,10 @@ enum { CONTROLS = 10, TANGENTS = 6, NORMALS_SIDE = 5 };
 //        5 = 102  9 = 111  8 = 120
 //     2 = 003  4 = 012  3 = 021  1 = 030
 //
-// and the six small triangles that stand upright like the patch, whose sides are its tangents
-__constant int UPRIGHT[TANGENTS][3] = {
+// and the six small triangles that stand upright like the patch, corner by corner: their sides are
+// the control tangents along the patch's
+__constant int UPRIGHT[TANGENTS][SIDES] = {
     {0, 7, 6}, {8, 1, 3}, {5, 4, 2}, {7, 8, 9}, {6, 9, 5}, {9, 3, 4}};
-
-// their exponents of u and v, those of w making up two, and how often the Bernstein polynomials of
-// degree two have each
-__constant int TANGENT_POWERS[TANGENTS][2] = {{2, 0}, {0, 2}, {0, 0}, {1, 1}, {1, 0}, {0, 1}};
-__constant float TANGENT_TIMES[TANGENTS] = {1.0f, 1.0f, 1.0f, 2.0f, 2.0f, 2.0f};
 
 inline void control_points(__global const float *net, float3 *controls)
 {
@@ -50,28 +46,22 @@ inline bool out_of_view(const float3 *controls, const View view)
     return outside_frustum(view, low, high);
 }
 
-// The normal, the product of two quadratic tangents across and along, is a patch of degree four: its
-// control normal of u^i v^j w^(4 - i - j) at [i][j], but for its length.
-inline void control_normals(const float3 *controls, float3 normals[NORMALS_SIDE][NORMALS_SIDE])
+inline float3 tangent_along(int side, int i, const float3 *controls)
 {
-    for (int i = 0; i < NORMALS_SIDE; ++i)
-        for (int j = 0; j < NORMALS_SIDE; ++j)
-            normals[i][j] = (float3)(0.0f);
-    for (int a = 0; a < TANGENTS; ++a)
-        for (int b = 0; b < TANGENTS; ++b) {
-            const float3 across = controls[UPRIGHT[a][0]] - controls[UPRIGHT[a][2]];
-            const float3 along = controls[UPRIGHT[b][1]] - controls[UPRIGHT[b][2]];
-            const int i = TANGENT_POWERS[a][0] + TANGENT_POWERS[b][0];
-            const int j = TANGENT_POWERS[a][1] + TANGENT_POWERS[b][1];
-            normals[i][j] += cross3(across, along) * (TANGENT_TIMES[a] * TANGENT_TIMES[b]);
-        }
+    return controls[UPRIGHT[i][(side + 2) % SIDES]] - controls[UPRIGHT[i][(side + 1) % SIDES]];
 }
 
-// Is every normal n of the patch turned away from the eye, seen from every point p of it, by more
-// than a cosine: n . (p - eye) > cosine |n| |p - eye|?
+// Are all triangles that the patch is drawn with turned away from the eye: with a normal n, seen from
+// every point p of the patch, by more than a cosine: n . (p - eye) > cosine |n| |p - eye|?
 //
-// Asked of all pairs of control normals and control points. For a cosine of 0 the left side is
-// linear in both, so that what holds for the hulls' corners holds for all of the patch.
+// A chord of the patch along a side is a mean of the control tangents along it. So the normal of a
+// drawn triangle with edges along two sides is a mean of products of theirs, and likewise if one edge
+// is along a side and the other two lie between the directions of the other sides: patterns of one
+// factor are made so. All products are asked, against all control points. For a cosine of 0 the left
+// side is linear in each of them: what holds for the corners of the hulls, holds inside.
+//
+// The normals of the smooth surface are means of fewer products, fifteen sums of them. Those would
+// leave out more patches, some with triangles that can be seen: they lean further than the surface.
 inline bool seen_from_behind(const float3 *controls, const View view, float cosine)
 {
     const float3 forward = (float3)(view.axes[2][0], view.axes[2][1], view.axes[2][2]);
@@ -79,15 +69,25 @@ inline bool seen_from_behind(const float3 *controls, const View view, float cosi
     float3 rays[CONTROLS];
     for (int i = 0; i < CONTROLS; ++i)
         rays[i] = view.parallel ? forward : direction(controls[i] - eye);
-    float3 normals[NORMALS_SIDE][NORMALS_SIDE];
-    control_normals(controls, normals);
-    for (int i = 0; i < NORMALS_SIDE; ++i)
-        for (int j = 0; j < NORMALS_SIDE - i; ++j) {
-            const float3 normal = direction(normals[i][j]);
+    for (int side = 0; side < SIDES; ++side) {
+        // the next side's tangents lie side by side, the last one more than once
+        float x[TANGENT_LANES], y[TANGENT_LANES], z[TANGENT_LANES];
+        for (int lane = 0; lane < TANGENT_LANES; ++lane) {
+            const int last = min(lane, TANGENTS - 1);
+            const float3 tangent = tangent_along((side + 1) % SIDES, last, controls);
+            x[lane] = tangent.x, y[lane] = tangent.y, z[lane] = tangent.z;
+        }
+        const float8 bx = vload8(0, x), by = vload8(0, y), bz = vload8(0, z);
+        for (int i = 0; i < TANGENTS; ++i) {
+            const float3 a = tangent_along(side, i, controls);
+            const float8 nx = a.y * bz - a.z * by, ny = a.z * bx - a.x * bz,
+                         nz = a.x * by - a.y * bx;
+            const float8 limit = cosine * sqrt(nx * nx + ny * ny + nz * nz);
             for (int k = 0; k < CONTROLS; ++k)
-                if (!(dot3(normal, rays[k]) > cosine))
+                if (!all(nx * rays[k].x + ny * rays[k].y + nz * rays[k].z > limit))
                     return false;
         }
+    }
     return true;
 }
 

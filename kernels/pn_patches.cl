@@ -15,10 +15,13 @@ __kernel void pn_patches(const int triangles, const View view,
     const int triangle = get_global_id(0);
     if (triangle >= triangles)
         return;
-    float3 controls[CONTROLS];
-    control_points(nets + (size_t)triangle * (3 * NET_VECTORS), controls);
-    const bool culled = (cull_frustum && out_of_view(controls, view))
-                     || (back_cosine < 1.0f && seen_from_behind(controls, view, back_cosine));
+    bool culled = false;
+    if (cull_frustum || back_cosine < 1.0f) {
+        float3 controls[CONTROLS];
+        control_points(nets + (size_t)triangle * (3 * NET_VECTORS), controls);
+        culled = (cull_frustum && out_of_view(controls, view))
+              || (back_cosine < 1.0f && seen_from_behind(controls, view, back_cosine));
+    }
     float inside = 0.0f;
     for (int side = 0; side < 3; ++side) {
         const float factor = culled ? 0.0f : factors[edges[3 * triangle + side]];

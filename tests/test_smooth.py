@@ -213,35 +213,48 @@ def test_nothing_in_view_is_culled_and_what_is_behind_is() -> None:
     assert not len(pn_triangles(mesh, 3, camera=away).triangles)
 
 
-def only(mesh: tl.Mesh, part: tl.Mesh) -> tl.Mesh:
-    """Return those triangles of a mesh that a part of it has, with all of the mesh's vertices.
-
-    Haze, tints and clipping planes go by the vertices, so pictures of the two can be compared.
-    """
-    corners, wanted = (
-        np.ascontiguousarray(one.vertices[one.triangles].reshape(-1, 9)).view("V36").ravel()
-        for one in (mesh, part)
-    )
-    kept = np.isin(corners, wanted)
-    assert kept.sum() == len(part.triangles)
-    return replace(mesh, triangles=mesh.triangles[kept])
+def kept_triangles(whole, camera: tl.Camera, mesh: tl.Mesh, factors) -> np.ndarray:
+    """Return which triangles of a curved mesh are left when patches turned away are not drawn."""
+    front = pn_triangles(mesh, factors, camera=camera, back_faces=0.0, cull=False)
+    patch = np.searchsorted(whole.point_offsets, whole.triangles[:, 0], side="right") - 1
+    kept = (np.diff(front.point_offsets) > 0)[patch]
+    assert kept.sum() == len(front.triangles)
+    return kept
 
 
 @needs_graphics
-@pytest.mark.parametrize("name", ["torus", "cone", "smooth cube", "bulging chamfered cube"])
+@pytest.mark.parametrize("name", ["torus", "cone", "chamfered cube", "bulging chamfered cube"])
 def test_leaving_out_patches_that_are_turned_away_changes_no_pixel(name: str) -> None:
     mesh = CLOSED[name]()
-    everything = pn_triangles(mesh, 5)
-    # colours by position alone: a sample on a silhouette may fall to either patch there
-    everything = replace(
-        everything, normals=np.tile(np.float32([0, 0, 1]), (len(everything.normals), 1))
-    )
+    whole = pn_triangles(mesh, 5)
+    # colours by position alone: outside the outline, but nearer to it than the steps that corners
+    # are rounded to, rasterisers may draw either patch there
+    alike = replace(whole, normals=np.tile(np.float32([0, 0, 1]), (len(whole.normals), 1)))
     left_out = 0
     for camera in cameras(4):
-        front = only(everything, pn_triangles(mesh, 5, camera=camera, back_faces=0.0, cull=False))
-        left_out += len(everything.triangles) - len(front.triangles)
-        np.testing.assert_array_equal(render(everything, camera), render(front, camera))
-    assert left_out > 0.1 * 4 * len(everything.triangles)
+        kept = kept_triangles(whole, camera, mesh, 5)
+        left_out += np.count_nonzero(~kept)
+        # all of the vertices, so that haze and clipping planes are the same
+        part = replace(alike, triangles=whole.triangles[kept])
+        np.testing.assert_array_equal(render(alike, camera), render(part, camera))
+    assert left_out > 0.05 * 4 * len(whole.triangles)
+
+
+@pytest.mark.parametrize("factor", [1, 1.5, 3, 5, 8])
+@pytest.mark.parametrize("name", ["torus", "cone", "bulging cube", "bulging chamfered cube"])
+def test_no_triangle_that_faces_the_eye_is_left_out(name: str, factor: float) -> None:
+    mesh = CLOSED[name]()
+    whole = pn_triangles(mesh, factor)
+    a, b, c = (whole.vertices[whole.triangles[:, k]].astype(np.float64) for k in range(3))
+    normals = np.cross(b - a, c - a)
+    left_out = 0
+    for camera in cameras(40, distance=4.0):
+        kept = kept_triangles(whole, camera, mesh, factor)
+        away = np.einsum("ij,ij->i", normals, a - camera.eye)
+        # but for rounding, where a point is snapped to 16.16 and a triangle has next to no area
+        assert away[~kept].min(initial=0) > -1e-7
+        left_out += np.count_nonzero(~kept)
+    assert left_out > 0.15 * 40 * len(whole.triangles)
 
 
 def test_a_threshold_keeps_more() -> None:
@@ -252,7 +265,7 @@ def test_a_threshold_keeps_more() -> None:
     ]
     everything = len(pn_triangles(mesh, 3).triangles)
     assert counts == sorted(counts)
-    assert counts[0] < 0.6 * everything
+    assert counts[0] < 0.7 * everything
     assert counts[-1] > 0.9 * everything
 
 

@@ -20,9 +20,13 @@ from .checkup import Array, Check, largest_difference
 
 
 @cache
-def cases() -> tuple[Case, Case]:
+def cases() -> tuple[Case, Case, Case]:
     """Ground of some dozen tiles: the ladder's reference takes its time."""
-    return Case(holed=False, shape=(66, 50)), Case(holed=True, shape=(66, 50))
+    return (
+        Case(holed=False, shape=(66, 50)),
+        Case(holed=True, shape=(66, 50)),
+        Case(holed=True, detailed=True, shape=(66, 50)),
+    )
 
 
 @cache

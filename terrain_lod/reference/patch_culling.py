@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from itertools import product
-from math import factorial
 from typing import Any
 
 import numpy as np
@@ -14,29 +13,25 @@ from .pn import CUBIC
 Array = npt.NDArray[np.float64]
 
 
-def _control_normals(controls: Array) -> Array:
-    """Return the fifteen control normals of a patch's normal, which is of degree four; (15, 3).
+def _facet_normals(controls: Array) -> Array:
+    """Return the products of a patch's control tangents along two sides each; (108, 3).
 
-    The product, in Bernstein form, of the derivatives along u and along v against w. Their lengths
-    mean nothing.
+    In the middle of all of them is the plane triangle's normal. Their lengths mean nothing.
     """
     place = {power: index for index, power in enumerate(CUBIC)}
-    across, along = {}, {}
+    along: tuple[list[Array], ...] = ([], [], [])
     for i, j, k in product(range(3), repeat=3):
         if i + j + k == 2:
-            times = 2 / (factorial(i) * factorial(j) * factorial(k))
-            origin = controls[place[i, j, k + 1]]
-            across[i, j] = times * (controls[place[i + 1, j, k]] - origin)
-            along[i, j] = times * (controls[place[i, j + 1, k]] - origin)
-    normals: dict[tuple[int, int], Array] = {}
-    for (i, j), a in across.items():
-        for (k, m), b in along.items():
-            normals[i + k, j + m] = normals.get((i + k, j + m), 0) + np.cross(a, b)
-    return np.array(list(normals.values()))
+            powers = (i + 1, j, k), (i, j + 1, k), (i, j, k + 1)
+            corners = [controls[place[power]] for power in powers]
+            for side in range(3):
+                along[side].append(corners[(side + 2) % 3] - corners[(side + 1) % 3])
+    pairs = [product(along[side], along[(side + 1) % 3]) for side in range(3)]
+    return np.array([np.cross(one, other) for pair in pairs for one, other in pair])
 
 
 def back_cosine_of(controls: Array, view: npt.NDArray[Any]) -> float:
-    """Return the least cosine between a control normal of a patch and a ray from the eye to it.
+    """Return the least cosine between normals that triangles may have and rays from the eye.
 
     Parameters
     ----------
@@ -46,13 +41,13 @@ def back_cosine_of(controls: Array, view: npt.NDArray[Any]) -> float:
     Returns
     -------
     float
-        Above 0 where all of the patch is turned away.
+        Above 0 where all of the patch is turned away, however it is tessellated evenly.
     """
     rays = controls - view["eye"].astype(np.float64)
     if view["parallel"]:
         rays = view["axes"][2][None].astype(np.float64)
     rays = rays / np.linalg.norm(rays, axis=1, keepdims=True)
-    normals = _control_normals(controls)
+    normals = _facet_normals(controls)
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     return float((normals / np.where(lengths > 0, lengths, 1.0) @ rays.T).min())
 
