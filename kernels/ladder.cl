@@ -5,8 +5,9 @@
 //
 //     error[tile, fv, fu] = max over the tile's samples |height of the triangle - sample|
 //
-// and for every edge between tiles the same along a line. One pass over the raster: a tile's
-// samples are read once and all pairs are measured from there.
+// and the same of the samples within the tile's inner part, which edges of other factors leave as it
+// is; and for every edge between tiles along its line. One pass over the raster: a tile's samples
+// are read once and all pairs are measured from there.
 //
 //     lattice cell (i, j)      z00 --- z10     diagonals as the tessellator draws them: '\' north-west
 //     of 3 x 3: \ \ /           |  \    |      and south-east of the middle, '/' elsewhere
@@ -56,6 +57,12 @@ inline Axis lattice_axis(int f, int cells)
     return axis;
 }
 
+// the first sample on or beyond the first inner line of a lattice
+inline int first_inner_sample(int f, int cells)
+{
+    return (cells + f - 1) / f;
+}
+
 // the cells of lattice line j whose diagonal runs from north-west to south-east: first .. last
 inline int2 falling_cells(int j, int fu, int fv)
 {
@@ -101,12 +108,12 @@ inline Real on_triangle(Real z00, Real z10, Real z01, Real z11, float a, float b
                          : z11 + (z01 - z11) * (1.0f - a) + (z10 - z11) * (1.0f - b);
 }
 
-// the largest error of one row of samples, at b between two lattice lines
-inline Real row_error(const Real *heights, const Real *upper, const Real *lower, int cells_across,
+// the largest error of samples first .. last of a row, at b between two lattice lines
+inline Real row_error(const Real *heights, const Real *upper, const Real *lower, int first, int last,
                       const Axis *across, int2 falling, float b)
 {
     Real error = 0.0f;
-    for (int column = 0; column <= cells_across; ++column) {
+    for (int column = first; column <= last; ++column) {
         const int i = across->cell[column];
         const Real z = on_triangle(upper[i], upper[i + 1], lower[i], lower[i + 1],
                                    across->fraction[column], b, i >= falling.x && i <= falling.y);
@@ -116,12 +123,19 @@ inline Real row_error(const Real *heights, const Real *upper, const Real *lower,
     return error;
 }
 
-inline Real lattice_error(const Real *heights, const Real *columns, const Axis *across,
-                          int cells_across, int cells_down, int fu, int fv)
+// all of a tile's samples, and those not between its edges and the lattice's outermost inner lines
+typedef struct {
+    Real all, inner;
+} Errors;
+
+inline Errors lattice_errors(const Real *heights, const Real *columns, const Axis *across,
+                             int cells_across, int cells_down, int fu, int fv)
 {
     const Axis down = lattice_axis(fv, cells_down);
     Real upper[WIDTH], lower[WIDTH];
-    Real error = 0.0f;
+    Real outer = 0.0f, inner = 0.0f;
+    const int first = first_inner_sample(fu, cells_across);
+    const int first_row = first_inner_sample(fv, cells_down);
     int line = -1;
     for (int row = 0; row <= cells_down; ++row) {
         const int j = down.cell[row];
@@ -130,11 +144,22 @@ inline Real lattice_error(const Real *heights, const Real *columns, const Axis *
             resample_line(columns, j + 1, fu, fv, cells_down, lower);
             line = j;
         }
-        const Real found = row_error(heights + row * WIDTH, upper, lower, cells_across, across,
-                                     falling_cells(j, fu, fv), down.fraction[row]);
-        error = LARGER(found, error);
+        // a row is inner from its sample `begin` to before `end`
+        const bool is_inner = row >= first_row && row <= cells_down - first_row;
+        const int begin = is_inner ? min(first, cells_across + 1) : cells_across + 1;
+        const int end = max(cells_across - first + 1, begin);
+        const int2 falling = falling_cells(j, fu, fv);
+        const Real *samples = heights + row * WIDTH;
+        const float b = down.fraction[row];
+        const Real west = row_error(samples, upper, lower, 0, begin - 1, across, falling, b);
+        const Real found = row_error(samples, upper, lower, begin, end - 1, across, falling, b);
+        const Real east = row_error(samples, upper, lower, end, cells_across, across, falling, b);
+        outer = LARGER(west, outer);
+        outer = LARGER(east, outer);
+        inner = LARGER(found, inner);
     }
-    return error;
+    const Errors errors = {LARGER(outer, inner), inner};
+    return errors;
 }
 
 __kernel void ladder(const Grid grid,
@@ -144,7 +169,8 @@ __kernel void ladder(const Grid grid,
                      __global const float4 *details,        // (P,) .w: samples without data
                      __global const int *groups,            // (G, LANES) tiles of equal size
                      const int group_count,
-                     __global float *errors)                // (P, LEVELS, LEVELS): fv, fu
+                     __global float *errors,                // (P, LEVELS, LEVELS): fv, fu
+                     __global float *inner_errors)          // the same, of inner samples
 {
     const int group = get_global_id(0);
     if (group >= group_count)
@@ -166,14 +192,15 @@ __kernel void ladder(const Grid grid,
         resample_rows(samples, fu, first.cells_across, first.cells_down + 1, columns);
         for (int level_v = 0; level_v < LEVELS; ++level_v) {
             const int fv = factor_of(level_v, first.cells_down);
-            const Real error = lattice_error(samples, columns, &across, first.cells_across,
-                                             first.cells_down, fu, fv);
+            const Errors found = lattice_errors(samples, columns, &across, first.cells_across,
+                                                first.cells_down, fu, fv);
             const bool is_full = fu == first.cells_across && fv == first.cells_down;
             for (int lane = 0; lane < LANES; ++lane) {
                 // a tile with holes is always meshed in full
                 const bool usable = is_full || details[tiles[lane]].w == 0.0f;
-                errors[(tiles[lane] * LEVELS + level_v) * LEVELS + level_u] =
-                    usable ? LANE(error, lane) : INFINITY;
+                const size_t place = (tiles[lane] * LEVELS + level_v) * LEVELS + level_u;
+                errors[place] = usable ? LANE(found.all, lane) : INFINITY;
+                inner_errors[place] = usable ? LANE(found.inner, lane) : INFINITY;
             }
         }
     }

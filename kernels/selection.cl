@@ -1,14 +1,14 @@
 // The hull stage of levels of detail that promise an error: factors from the error ladder.
 //
 //   allow            the error that each tile is allowed: metres, or pixels of a camera
-//   select_inside    the cheapest pair of inside factors whose measured error is within it
 //   select_edges     one factor an edge, from the edge's own ladder and both tiles' needs
-//   settle_inside    no inside factor of 1 where another is more
+//   fit_inside       the cheapest pair of inside factors that holds beside these edges: fit.h
 //   only_changed     every other tile culled: what a choice changed is measured, nothing else
 //   tighten          after the finished mesh has been measured: tiles that exceed get less
 //
-// Built with: LEVELS of the ladder; EDGE_RULE, EDGES_BY_ERROR, EDGES_MIN or EDGES_MAX.
-#include "levels.h"
+// Built with: LEVELS of the ladder; EDGE_RULE, EDGES_BY_ERROR, EDGES_MIN or EDGES_MAX; what ground.h
+// is built with.
+#include "fit.h"
 #include "neighbour.h"
 #include "screen.h"
 
@@ -44,42 +44,16 @@ __kernel void allow(const Grid grid, const View view, const int cull,
     allowed[patch] = culled ? NAN : error;
 }
 
-// Full resolution is right by definition; below it the cheapest level pair within `error`.
-inline int2 cheapest_levels(__global const float *errors, __global const int *costs, float error,
-                            int2 full)
+// The factor along u or v that the ladder has a tile meshed with, if its edges were to match: of the
+// cheapest pair within `error`, or full resolution, which is right by definition.
+inline float matched_factor(Grid grid, int patch, bool along_u, __global const float *errors,
+                            float error)
 {
-    int2 best = full;
-    int cost = costs[full.y * LEVELS + full.x];
-    for (int v = 0; v <= full.y; ++v)
-        for (int u = 0; u <= full.x; ++u) {
-            const int index = v * LEVELS + u;
-            if (costs[index] < cost && errors[index] <= error) {
-                cost = costs[index];
-                best = (int2)(u, v);
-            }
-        }
-    return best;
-}
-
-__kernel void select_inside(const Grid grid,
-                            __global const float *allowed,      // (P,)
-                            __global const float *share,        // (P,) of it that the ladder gets
-                            __global const float *errors,       // (P, LEVELS, LEVELS)
-                            __global const int *costs,          // (LEVELS, LEVELS) triangles
-                            __global float *wanted)             // (P, 2) inside factors
-{
-    const int patch = get_global_id(0);
-    if (patch >= tile_count(grid))
-        return;
     const Tile tile = tile_at(grid, patch);
-    // the level whose factor is the tile's cells
-    const int2 full = (int2)(tile.cells_across / 2, tile.cells_down / 2);
-    const int2 level =
-        cheapest_levels(errors + (size_t)patch * LEVELS * LEVELS, costs,
-                        allowed[patch] * share[patch], min(full, (int2)(LEVELS - 1)));
-    const bool culled = isnan(allowed[patch]);
-    wanted[patch * INSIDES + 0] = culled ? 0.0f : factor_of(level.x, tile.cells_across);
-    wanted[patch * INSIDES + 1] = culled ? 0.0f : factor_of(level.y, tile.cells_down);
+    const int2 full = full_level(tile);
+    const int2 level = cheapest_level(errors + (size_t)patch * LEVELS * LEVELS, error,
+                                      (int2)(0, 0), full);
+    return along_u ? factor_of(level.x, tile.cells_across) : factor_of(level.y, tile.cells_down);
 }
 
 // the coarsest level of an edge within `error`
@@ -99,13 +73,13 @@ inline int edge_index(Grid grid, int patch, int edge)
                          : (row + (edge == 3)) * grid.tile_columns + column;
 }
 
-__kernel void select_edges(const Grid grid,
+__kernel void select_edges(const Grid grid, const float edge_share,
                            __global const float *allowed,           // (P,)
                            __global const float *share,             // (P,)
                            __global const float4 *details,          // (P,)
                            __global const float *across_errors,     // ((TR + 1) * TC, LEVELS)
                            __global const float *down_errors,       // (TR * (TC + 1), LEVELS)
-                           __global const float *wanted,            // (P, 2) inside factors
+                           __global const float *errors,            // (P, LEVELS, LEVELS)
                            __global float *edge_factors,            // (P, 4)
                            __global uchar *changed)                 // (P,) has any factor?
 {
@@ -119,18 +93,19 @@ __kernel void select_edges(const Grid grid,
         const int cells = edge_cells(tile, edge);
         // fmin and fmax pass over the NaN of a culled neighbour; such an edge is the patch's own
         const float error = fmin(allowed[patch] * share[patch], allowed[other] * share[other]);
-        __global const float *errors =
-            (edge % 2 == 0 ? down_errors : across_errors) + edge_index(grid, patch, edge) * LEVELS;
-        const int along = edge % 2 == 0;
-        const float own_factor = wanted[patch * INSIDES + along];
-        const float other_factor = isnan(allowed[other]) ? own_factor
-                                                         : wanted[other * INSIDES + along];
 #if EDGE_RULE == EDGES_BY_ERROR
-        float factor = factor_of(edge_level(errors, error, cells), cells);
-#elif EDGE_RULE == EDGES_MIN
-        float factor = fmin(own_factor, other_factor);
+        __global const float *along_edge =
+            (edge % 2 == 0 ? down_errors : across_errors) + edge_index(grid, patch, edge) * LEVELS;
+        float factor = factor_of(edge_level(along_edge, edge_share * error, cells), cells);
 #else
-        float factor = fmax(own_factor, other_factor);
+        // a culled neighbour has no say
+        const int asked = isnan(allowed[other]) ? patch : other;
+        const float own_factor = matched_factor(grid, patch, edge % 2 == 1, errors,
+                                                allowed[patch] * share[patch]);
+        const float other_factor = matched_factor(grid, asked, edge % 2 == 1, errors,
+                                                  allowed[asked] * share[asked]);
+        float factor = EDGE_RULE == EDGES_MIN ? fmin(own_factor, other_factor)
+                                              : fmax(own_factor, other_factor);
 #endif
         // tiles with holes are meshed in full, their edges too; so is what must be exact
         if (details[patch].w > 0.0f || details[other].w > 0.0f || error == 0.0f)
@@ -140,26 +115,40 @@ __kernel void select_edges(const Grid grid,
     }
 }
 
-// Of an inside factor of 1 beside a larger one the tessellator makes three segments, two of them
-// without a width: a step between edge and inside would become an upright wall. Three segments
-// cost the same.
-__kernel void settle_inside(const int patches,
-                            __global const float *wanted,           // (P, 2)
-                            __global const float *edge_factors,     // (P, 4)
-                            __global float *inside_factors,         // (P, 2)
-                            __global uchar *changed)                // (P,)
+__kernel void fit_inside(const Grid grid,
+                         __global const float *heights,             // (R, C)
+                         __global const uchar *holes,               // (R, C) where MASKED
+                         __global const float *detail_heights,      // where DETAIL
+                         __global const float *allowed,             // (P,)
+                         __global const float *share,               // (P,)
+                         __global const float *measured,            // (P,)
+                         __global const float *errors,              // (P, LEVELS, LEVELS)
+                         __global const float *inner_errors,        // (P, LEVELS, LEVELS)
+                         __global const int *order,                 // (LEVELS * LEVELS,) pairs
+                         __global const float *edge_factors,        // (P, 4)
+                         __global uchar *changed,                   // (P,)
+                         __global float *inside_factors)            // (P, 2)
 {
     const int patch = get_global_id(0);
-    if (patch >= patches)
+    if (patch >= tile_count(grid))
         return;
-    __global const float *edge = edge_factors + patch * EDGES;
-    const float along_u = wanted[patch * INSIDES], along_v = wanted[patch * INSIDES + 1];
-    const bool is_single = along_u <= 1.0f && along_v <= 1.0f && edge[0] <= 1.0f
-                        && edge[1] <= 1.0f && edge[2] <= 1.0f && edge[3] <= 1.0f;
-    put_factor(inside_factors + patch * INSIDES,
-               is_single ? along_u : fmax(along_u, 3.0f), changed + patch);
-    put_factor(inside_factors + patch * INSIDES + 1,
-               is_single ? along_v : fmax(along_v, 3.0f), changed + patch);
+    // what was measured beside these edges and holds stays
+    if (!changed[patch] && !(measured[patch] > allowed[patch]))
+        return;
+    const Ground ground = {grid, heights, holes, detail_heights};
+    __global const float *edges = edge_factors + patch * EDGES;
+    const size_t ladder = (size_t)patch * LEVELS * LEVELS;
+    const float error = allowed[patch] * share[patch];
+    const bool is_single = edges[0] <= 1.0f && edges[1] <= 1.0f && edges[2] <= 1.0f
+                        && edges[3] <= 1.0f && errors[ladder] <= error;
+    int2 factors = (int2)(1, 1);
+    if (isnan(error))
+        factors = (int2)(0, 0);
+    else if (!is_single)
+        factors = fitting_inside(ground, tile_at(grid, patch), inner_errors + ladder, order, edges,
+                                 error);
+    put_factor(inside_factors + patch * INSIDES, factors.x, changed + patch);
+    put_factor(inside_factors + patch * INSIDES + 1, factors.y, changed + patch);
 }
 
 __kernel void only_changed(const int count,

@@ -23,7 +23,7 @@
 typedef struct {
     int segments;       // of the fine division; one point more
     bool odd;           // there is one in the middle, not a point
-    Ruler ruler;        // the steps in each half, without that one
+    StepRuler ruler;        // the steps in each half, without that one
     int newest;         // the point of the first half that the coarse division does not have
     uint fraction;      // weight of the fine division, 0 to FIXED_ONE - 1
     uint coarse_length; // of a segment
@@ -45,14 +45,14 @@ inline Division divide(uint factor, int partitioning)
     division.fraction = halved % FIXED_ONE;
     const int coarse = halved / FIXED_ONE, fine = coarse + (division.fraction != 0);
     division.segments = 2 * fine - division.odd;
-    division.ruler = ruler_of(fine - division.odd);
+    division.ruler = step_ruler(fine - division.odd);
     division.coarse_length = segment_length(2 * coarse - division.odd);
     division.fine_length = segment_length(division.segments);
     // from one segment to three, the new points leave the corners
     const int coarse_steps = coarse - division.odd;
     division.newest = division.fraction == 0 ? division.segments
                     : coarse_steps == 0      ? 0
-                                             : next_point(ruler_of(coarse_steps));
+                                             : next_point(step_ruler(coarse_steps));
     return division;
 }
 

@@ -20,11 +20,11 @@ typedef struct {
     int steps;          // 0 to 32
     int split;          // of the steps of the doubling before, this many are split
     int shift;          // log2 of the length of a half that this makes
-} Ruler;
+} StepRuler;
 
-inline Ruler ruler_of(int steps)
+inline StepRuler step_ruler(int steps)
 {
-    Ruler ruler = {steps, 0, 5};
+    StepRuler ruler = {steps, 0, 5};
     for (int power = 2; power <= steps; power *= 2)
         --ruler.shift;
     ruler.split = steps - (32 >> ruler.shift);
@@ -32,13 +32,13 @@ inline Ruler ruler_of(int steps)
 }
 
 // Returns where step 0 <= k < steps begins.
-inline int ruler_place(const Ruler ruler, int k)
+inline int ruler_place(const StepRuler ruler, int k)
 {
     return (k <= 2 * ruler.split ? k : 2 * (k - ruler.split)) << ruler.shift;
 }
 
 // Returns how many steps begin at a place or before it.
-inline int steps_to(const Ruler ruler, int place)
+inline int steps_to(const StepRuler ruler, int place)
 {
     const int halves = place >> ruler.shift;
     const int last = halves <= 2 * ruler.split ? halves : ruler.split + halves / 2;
@@ -46,7 +46,7 @@ inline int steps_to(const Ruler ruler, int place)
 }
 
 // Returns the step that begins with the point which one step more would add.
-inline int next_point(const Ruler ruler)
+inline int next_point(const StepRuler ruler)
 {
     return 2 * ruler.split + 1;
 }

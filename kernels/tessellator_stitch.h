@@ -27,7 +27,7 @@
 typedef struct {
     int first, stride, last;    // indices of its points; the last may be anywhere
     int points;
-    Ruler ruler;                 // of its whole division
+    StepRuler ruler;                 // of its whole division
     bool odd;
 } Row;
 

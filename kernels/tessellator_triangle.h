@@ -98,7 +98,7 @@ inline void fill_ring_points(__global uint2 *points, int ring, const Division in
 }
 
 // side of a ring of `steps` a side, in the direction of the walk
-inline Row ring_row(int first, int edge, int steps, const Ruler ruler, bool odd)
+inline Row ring_row(int first, int edge, int steps, const StepRuler ruler, bool odd)
 {
     const int last = edge == TRIANGLE_EDGES - 1 ? first : first + (edge + 1) * steps;
     Row row = {first + edge * steps, 1, last, steps + 1, ruler, odd};
@@ -110,7 +110,7 @@ inline Row ring_row(int first, int edge, int steps, const Ruler ruler, bool odd)
 inline void stitch_rings(const Triangles triangles, int triangle, int boundary, int ring,
                          const Division inside, Items items)
 {
-    const Ruler ruler = ruler_of(inside.ruler.steps - (ring - 1));
+    const StepRuler ruler = step_ruler(inside.ruler.steps - (ring - 1));
     const int steps = inside.segments - 2 * ring;
     const int outer_first = boundary + ring_first_point(inside.segments, ring - 1);
     const int inner_first = boundary + ring_first_point(inside.segments, ring);

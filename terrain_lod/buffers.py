@@ -158,16 +158,19 @@ class DeviceLadder:
     Attributes
     ----------
     tiles : DeviceArray, (P, L, L) float32
-        Largest vertical error of the tile at level pair [along v, along u].
+        Largest vertical error of the tile at level pair [along v, along u], its edges matching.
+    inner : DeviceArray, (P, L, L) float32
+        The same within the lattice that other edges would leave as it is.
     across : DeviceArray, ((TR + 1) * TC, L) float32
         Of the edges that run along u, row by row.
     down : DeviceArray, (TR * (TC + 1), L) float32
         Of the edges that run along v.
-    costs : DeviceArray, (L, L) int32
-        Triangles of a tile at level pair [along v, along u].
+    order : DeviceArray, (L * L,) int32
+        Level pairs, L v + u, the fewest triangles first.
     """
 
     tiles: DeviceArray
+    inner: DeviceArray
     across: DeviceArray
     down: DeviceArray
-    costs: DeviceArray
+    order: DeviceArray

@@ -31,18 +31,15 @@ def tile_groups(grid: TileGrid, tiles: npt.NDArray[np.int32], lanes: int) -> npt
     return np.concatenate(groups)
 
 
-def lattice_costs(levels: int) -> npt.NDArray[np.int32]:
-    """Return the triangles of a tile whose edges match its inside; (L, L) [along v, along u].
+def cheapest_first(levels: int) -> npt.NDArray[np.int32]:
+    """Return the level pairs, L v + u, in the order of the triangles of an inside; (L * L,).
 
-    A factor of 1 beside a larger one becomes 3 inside, as Direct3D 11 has it.
+    Beside edges of any factors, fu x fv segments make 2 (fu - 1) (fv - 1) - 2 triangles; of pairs
+    with equally many, the most even is first.
     """
-    factor = 2 * np.arange(levels) + 1
-    along_v, along_u = np.meshgrid(factor, factor, indexing="ij")
-    inner_u, inner_v = np.maximum(along_u, 3) - 2, np.maximum(along_v, 3) - 2
-    # the middle, and strips of triangles between each edge and the middle's outline
-    costs = 2 * inner_u * inner_v + 2 * (along_u + inner_u) + 2 * (along_v + inner_v)
-    costs[0, 0] = 2
-    return np.asarray(costs, np.int32)
+    v, u = np.divmod(np.arange(levels**2, dtype=np.int32), levels)
+    # a level of 0 becomes 3 segments, as 1 does
+    return np.lexsort([u + v, np.maximum(u, 1) * np.maximum(v, 1)]).astype(np.int32)
 
 
 def ladder_on_device(
@@ -58,13 +55,14 @@ def ladder_on_device(
     device = ground.device
     levels, (rows, columns) = grid.levels, grid.shape
     edges_across, edges_down = (rows + 1) * columns, rows * (columns + 1)
-    sizes = [grid.count * levels**2 * 4, edges_across * levels * 4, edges_down * levels * 4]
+    sizes = [grid.count * levels**2 * 8, edges_across * levels * 4, edges_down * levels * 4]
     device.require(f"the error ladder of {grid.count} tiles", *sizes)
     ladder = DeviceLadder(
         device.empty((grid.count, levels, levels), np.float32),
+        device.empty((grid.count, levels, levels), np.float32),
         device.empty((edges_across, levels), np.float32),
         device.empty((edges_down, levels), np.float32),
-        device.array(lattice_costs(levels)),
+        device.array(cheapest_first(levels)),
     )
     measure_tiles(ground, grid, analysis, ladder, np.arange(grid.count, dtype=np.int32))
     return ladder
@@ -101,6 +99,7 @@ def measure_tiles(
         groups=device.array(groups),
         group_count=len(groups),
         errors=ladder.tiles,
+        inner_errors=ladder.inner,
     )
     edges = edges_of(grid, tiles)
     for vertical, errors in enumerate((ladder.across, ladder.down)):

@@ -86,6 +86,7 @@ class Promise:
 
     def _within(self, metres: float, pixels: float) -> Kept:
         selection = Selection.start(
+            self.ground,
             self.grid,
             self.analysis,
             self.ladder,
@@ -102,7 +103,7 @@ class Promise:
             pattern = self.tessellate(
                 selection.factors if rounds == 1 else selection.only_changed()
             )
-            selection.measure(self.ground, pattern)
+            selection.measure(pattern)
             exceeding, refinable = selection.tighten()
             if refinable == 0:
                 break

@@ -7,7 +7,7 @@ import pytest
 from grounds import holed, rough
 
 import terrain_lod as tl
-from terrain_lod.ladder import ladder_on_device, lattice_costs, tile_groups
+from terrain_lod.ladder import cheapest_first, ladder_on_device, tile_groups
 from terrain_lod.reference import analysis, domain, ladder
 from terrain_lod.tessellator import tessellate
 
@@ -22,10 +22,11 @@ def measured(ground: tl.Heightmap, tile: int):
 def test_agrees_with_the_reference(tile: int, make) -> None:
     ground = make(50, 43)
     grid, found = measured(ground, tile)
-    tiles, across, down = ladder.ladder(ground, grid, analysis.analyse(ground, tile=tile))
+    tiles, inner, across, down = ladder.ladder(ground, grid, analysis.analyse(ground, tile=tile))
     # a dozen roundings of heights
     slack = 12 * np.spacing(np.float32(np.abs(ground.heights).max()))
     np.testing.assert_allclose(found.tiles.host(), tiles, rtol=0, atol=slack)
+    np.testing.assert_allclose(found.inner.host(), inner, rtol=0, atol=slack)
     np.testing.assert_allclose(found.across.host(), across, rtol=0, atol=slack)
     np.testing.assert_allclose(found.down.host(), down, rtol=0, atol=slack)
 
@@ -57,12 +58,14 @@ def test_full_resolution_has_no_error_but_rounding() -> None:
         assert found.down.host()[:, -1].max() <= rounding
 
 
-def test_costs_are_the_triangles_that_the_tessellator_makes() -> None:
-    costs = lattice_costs(8)
-    for v, u in np.ndindex(costs.shape):
-        fu, fv = 2 * u + 1, 2 * v + 1
-        pattern = tessellate("quad", [[fv, fu, fv, fu]], [[fu, fv]])
-        assert len(pattern.triangles) == costs[v, u]
+def test_insides_are_tried_in_the_order_of_their_triangles() -> None:
+    order = cheapest_first(8)
+    assert sorted(order) == list(range(64))
+    pairs = [(2 * (pair % 8) + 1, 2 * (pair // 8) + 1) for pair in order]
+    # edges are the same for all
+    patterns = (tessellate("quad", [[9, 3, 5, 7]], [pair]) for pair in pairs)
+    counts = [len(pattern.triangles) for pattern in patterns]
+    assert counts == sorted(counts)
 
 
 def test_groups_hold_every_tile_and_only_tiles_of_one_size() -> None:

@@ -9,11 +9,11 @@ import numpy as np
 from ..buffers import DeviceLadder
 from ..camera import Camera
 from ..device import Device
-from ..ladder import ladder_on_device, lattice_costs
+from ..ladder import cheapest_first, ladder_on_device
 from ..layout import FIXED_ONE
 from ..pattern import DevicePattern
 from ..reference import domain, ladder, selection, weights
-from ..selection import Selection
+from ..selection import FIRST_SHARE, Selection, edge_share
 from ..weights import COLUMNS, weights_on_device
 from .checks_terrain import METRES, Case
 from .checkup import Array, Check, largest_difference
@@ -30,8 +30,8 @@ def cases() -> tuple[Case, Case, Case]:
 
 
 @cache
-def expected_ladder(case: Case) -> tuple[Array, Array, Array]:
-    """Return the errors of tiles, of edges across and of edges down."""
+def expected_ladder(case: Case) -> tuple[Array, Array, Array, Array]:
+    """Return the errors of tiles, of their inner samples, of edges across and of edges down."""
     return ladder.ladder(case.ground, case.grid, case.fits)
 
 
@@ -39,9 +39,8 @@ def check_ladder(device: Device) -> Check:
     differences = []
     for case in cases():
         found = ladder_on_device(case.upload(device), case.grid, case.upload_analysis(device))
-        for array, expected in zip(
-            (found.tiles, found.across, found.down), expected_ladder(case), strict=True
-        ):
+        arrays = found.tiles, found.inner, found.across, found.down
+        for array, expected in zip(arrays, expected_ladder(case), strict=True):
             differences.append(largest_difference(array.host(), expected))
     return Check(max(differences), METRES, "m")
 
@@ -50,13 +49,15 @@ def begin(
     case: Case, device: Device, *, metres: float = np.inf, pixels: float = np.inf
 ) -> Selection:
     """Return the selection for an error; nothing is culled."""
-    tiles, across, down = (
+    tiles, inner, across, down = (
         device.array(errors.astype(np.float32)) for errors in expected_ladder(case)
     )
+    order = device.array(cheapest_first(case.grid.levels))
     return Selection.start(
+        case.upload(device),
         case.grid,
         case.upload_analysis(device),
-        DeviceLadder(tiles, across, down, device.array(lattice_costs(case.grid.levels))),
+        DeviceLadder(tiles, inner, across, down, order),
         camera_over(case).view(case.origin),
         metres=metres,
         pixels=pixels,
@@ -85,10 +86,14 @@ def check_selection(device: Device) -> Check:
 
         found = begin(case, device, metres=3.0)
         found.choose()
-        costs = lattice_costs(case.grid.levels)
-        allowed = np.where(empty, np.nan, 3.0)
         edge, inside = selection.factors(
-            case.grid, case.fits, allowed, expected_ladder(case), costs
+            case.ground,
+            case.grid,
+            case.fits,
+            np.where(empty, np.nan, 3.0 * FIRST_SHARE),
+            expected_ladder(case),
+            edge_share=edge_share(case.grid.tile),
+            order=cheapest_first(case.grid.levels),
         )
         differences.append(largest_difference(found.factors.edge.host(), edge))
         differences.append(largest_difference(found.factors.inside.host(), inside))
@@ -123,7 +128,7 @@ def check_tile_error(device: Device) -> Check:
         found = begin(case, device, metres=3.0)
         found.changed.fill(1)
         pattern = DevicePattern(device.array(points), device.array(triangles), offsets, offsets)
-        found.measure(case.upload(device), pattern)
+        found.measure(pattern)
         columns, rows = domain.global_coordinates(grid, points, patch)
         positions, _ = domain.displace(case.ground, grid, points, patch)
         placed = np.stack([columns / FIXED_ONE, rows / FIXED_ONE, positions[:, 2]], axis=1)

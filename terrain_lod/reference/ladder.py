@@ -23,8 +23,11 @@ def lattice_heights(heights: Array, fu: int, fv: int) -> Array:
     return np.stack([np.interp(down, np.arange(rows), line) for line in lines.T], axis=1)
 
 
-def tile_error(heights: Array, fu: int, fv: int) -> float:
-    """Return the largest distance of the lattice's triangles to the samples (rows, columns)."""
+def tile_errors(heights: Array, fu: int, fv: int) -> tuple[float, float]:
+    """Return the largest distance of the lattice's triangles to the samples (rows, columns).
+
+    Of all samples, and of those that lie within the lattice's outermost inner lines.
+    """
     rows, columns = heights.shape
     lattice = lattice_heights(heights, fu, fv)
     # where each sample lies in the lattice
@@ -45,7 +48,10 @@ def tile_error(heights: Array, fu: int, fv: int) -> float:
         z00 + (z10 - z00) * a + (z01 - z00) * b,
         z11 + (z01 - z11) * (1 - a) + (z10 - z11) * (1 - b),
     )
-    return float(np.abs(np.where(falling, below, beside) - heights).max())
+    errors = np.abs(np.where(falling, below, beside) - heights)
+    row, column = -(-(rows - 1) // fv), -(-(columns - 1) // fu)
+    inner = errors[row : rows - row, column : columns - column]
+    return float(errors.max()), float(inner.max(initial=0.0))
 
 
 def edge_error(line: Array, factor: int) -> float:
@@ -55,24 +61,26 @@ def edge_error(line: Array, factor: int) -> float:
     return float(np.abs(np.interp(samples, ends, np.interp(ends, samples, line)) - line).max())
 
 
-def ladder(ground: Heightmap, grid: TileGrid, fits: list[TileFit]) -> tuple[Array, Array, Array]:
-    """Return errors of tiles (P, L, L), of edges across (., L) and of edges down (., L)."""
+def ladder(
+    ground: Heightmap, grid: TileGrid, fits: list[TileFit]
+) -> tuple[Array, Array, Array, Array]:
+    """Return errors of tiles and of inner samples (P, L, L), of edges across and down (., L)."""
     heights = ground.heights.astype(np.float64)
     factors = 2 * np.arange(grid.levels) + 1
-    tile_errors = []
+    of_tiles = []
     rows, columns = list(pairwise(grid.corner_rows)), list(pairwise(grid.corner_columns))
     for index, (row, column) in enumerate((row, column) for row in rows for column in columns):
         tile = heights[row[0] : row[1] + 1, column[0] : column[1] + 1]
         cells = tile.shape[0] - 1, tile.shape[1] - 1
-        errors = np.full((grid.levels, grid.levels), np.inf)
-        for v, u in np.ndindex(errors.shape):
+        errors = np.full((2, grid.levels, grid.levels), np.inf)
+        for v, u in np.ndindex(errors.shape[1:]):
             fv, fu = (
                 min(int(factors[level]), limit) for level, limit in zip((v, u), cells, strict=True)
             )
             # a tile with holes is always meshed in full
             if not fits[index].nodata or (fv, fu) == cells:
-                errors[v, u] = tile_error(tile, fu, fv)
-        tile_errors.append(errors)
+                errors[:, v, u] = tile_errors(tile, fu, fv)
+        of_tiles.append(errors)
 
     def edges(lines: list[Array]) -> Array:
         return np.array(
@@ -81,4 +89,5 @@ def ladder(ground: Heightmap, grid: TileGrid, fits: list[TileFit]) -> tuple[Arra
 
     across = [heights[row, a : b + 1] for row in grid.corner_rows for a, b in columns]
     down = [heights[a : b + 1, column] for a, b in rows for column in grid.corner_columns]
-    return np.array(tile_errors), edges(across), edges(down)
+    every, inner = np.swapaxes(of_tiles, 0, 1)
+    return every, inner, edges(across), edges(down)

@@ -7,7 +7,11 @@ import numpy.typing as npt
 
 from ..camera import Camera
 from ..grid import TileGrid
+from ..heightmap import Heightmap
+from ..layout import FIXED_ONE
 from .analysis import TileFit
+from .domain import displace, global_coordinates
+from .tessellator import tessellate
 
 Array = npt.NDArray[np.float64]
 
@@ -30,38 +34,33 @@ def metres_for_pixels(camera: Camera, low: Array, high: Array, pixels: float) ->
     return float(pixels * depth / (moved + pixels * along))
 
 
-def cheapest_levels(
-    errors: Array, costs: npt.NDArray[np.int32], error: float, cells: tuple[int, int]
-) -> tuple[int, int]:
-    """Return the cheapest level pair (v, u) within `error`; full resolution is right anyway."""
-    full = cells[0] // 2, cells[1] // 2
-    best = full
-    for v, u in np.ndindex(full[0] + 1, full[1] + 1):
-        if errors[v, u] <= error and costs[v, u] < costs[best]:
-            best = v, u
-    return best
-
-
 def factors(
+    ground: Heightmap,
     grid: TileGrid,
     fits: list[TileFit],
     allowed: Array,
-    ladder: tuple[Array, Array, Array],
-    costs: npt.NDArray[np.int32],
+    ladder: tuple[Array, Array, Array, Array],
+    *,
+    edge_share: float,
+    order: npt.NDArray[np.int32],
 ) -> tuple[Array, Array]:
-    """Return edge factors (P, 4) and inside factors (P, 2), each edge by its own error.
+    """Return edge factors (P, 4), each by its own error, and the cheapest insides beside (P, 2).
 
     Parameters
     ----------
+    ground : Heightmap
     grid : TileGrid
     fits : list of TileFit
     allowed : (P,)
         Error that each tile may have; NaN where it is culled.
-    ladder : (P, L, L), ((TR + 1) * TC, L), (TR * (TC + 1), L)
+    ladder : (P, L, L), (P, L, L), ((TR + 1) * TC, L), (TR * (TC + 1), L)
         As the ladder's reference returns them.
-    costs : (L, L) int32
+    edge_share : float
+        How much of what tiles are allowed edges may use.
+    order : (L * L,) int32
+        Level pairs, cheapest first.
     """
-    tiles, across, down = ladder
+    every, inner, across, down = ladder
     rows, columns = grid.shape
     across, down = across.reshape(rows + 1, columns, -1), down.reshape(rows, columns + 1, -1)
     holed = np.array([fit.nodata > 0 for fit in fits])
@@ -70,10 +69,6 @@ def factors(
         row, column = divmod(int(index), columns)
         cells_down = int(np.diff(grid.corner_rows)[row])
         cells_across = int(np.diff(grid.corner_columns)[column])
-        level_v, level_u = cheapest_levels(
-            tiles[index], costs, allowed[index], (cells_down, cells_across)
-        )
-        wanted = min(2 * level_u + 1, cells_across), min(2 * level_v + 1, cells_down)
         for side, (other_row, other_column, errors, cells) in enumerate(
             (
                 (row, column - 1, down[row, column], cells_down),
@@ -84,14 +79,42 @@ def factors(
         ):
             outside = not (0 <= other_row < rows and 0 <= other_column < columns)
             other = index if outside else other_row * columns + other_column
-            error = np.fmin(allowed[index], allowed[other])
+            error = edge_share * np.fmin(allowed[index], allowed[other])
             enough = [2 * level + 1 for level in range(len(errors)) if errors[level] <= error]
             full = holed[index] or holed[other] or error == 0
             edge[index, side] = cells if full else min([*enough, cells])
-        # a factor of 1 beside a larger one becomes 3
-        single = max(*wanted, *edge[index]) <= 1
-        inside[index] = wanted if single else np.maximum(wanted, 3)
+        if edge[index].max() <= 1 and every[index, 0, 0] <= allowed[index]:
+            inside[index] = 1
+            continue
+        full = cells_across // 2, cells_down // 2
+        inside[index] = max(3, cells_across), max(3, cells_down)
+        for v, u in (divmod(int(pair), grid.levels) for pair in order):
+            # a level of 0 has three segments too
+            possible = min(1, full[0]) <= u <= full[0] and min(1, full[1]) <= v <= full[1]
+            if not possible or inner[index, v, u] > allowed[index]:
+                continue
+            cheaper = max(3, min(2 * u + 1, cells_across)), max(3, min(2 * v + 1, cells_down))
+            if patch_error(ground, grid, int(index), edge[index], cheaper) <= allowed[index]:
+                inside[index] = cheaper
+                break
     return edge, inside
+
+
+def patch_error(
+    ground: Heightmap, grid: TileGrid, index: int, edge: Array, inside: tuple[int, int]
+) -> float:
+    """Return the largest distance of a tile's samples to its triangles, at factors like these."""
+    pattern = tessellate("quad", [edge], [inside])
+    patch = np.full(len(pattern.points), index)
+    columns, rows = global_coordinates(grid, pattern.points, patch)
+    positions, _ = displace(ground, grid, pattern.points, patch)
+    (row, column), one = divmod(index, grid.shape[1]), FIXED_ONE
+    top, bottom = grid.corner_rows[row : row + 2]
+    left, right = grid.corner_columns[column : column + 2]
+    window = slice(top, bottom + 1), slice(left, right + 1)
+    placed = np.stack([columns / one - left, rows / one - top, positions[:, 2]], axis=1)
+    heights = ground.heights[window].astype(np.float64)
+    return tile_error(heights, ground.valid[window], placed[pattern.triangles])
 
 
 def tile_error(

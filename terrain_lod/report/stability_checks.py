@@ -152,9 +152,11 @@ class OnGround:
 
     def _ladder(self) -> Iterator[Finding]:
         found = ladder_on_device(self.uploaded, self.grid, self.analysis)
-        tiles, across, down = ladder.ladder(self.ground, self.grid, self.fits)
+        tiles, inner, across, down = ladder.ladder(self.ground, self.grid, self.fits)
         ranges = np.nan_to_num(self.ranges)[:, None, None]
-        yield self._find("ladder of tiles", found.tiles.host(), tiles, ranges, 16 * ulp(ranges))
+        every = np.stack([found.tiles.host(), found.inner.host()])
+        expected = np.stack([tiles, inner])
+        yield self._find("ladder of tiles", every, expected, ranges, 16 * ulp(ranges))
         expected = np.concatenate([across, down])
         edges = np.concatenate([found.across.host(), found.down.host()])
         yield self._find("ladder of edges", edges, expected, self.range, 16 * ulp(self.range))
@@ -182,10 +184,16 @@ class OnGround:
         self, promise: Promise, pattern: DevicePattern, positions: Array, patch: Array
     ) -> Finding:
         state = Selection.start(
-            self.grid, self.analysis, promise.ladder, promise.view, metres=1.0, pixels=np.inf
+            self.uploaded,
+            self.grid,
+            self.analysis,
+            promise.ladder,
+            promise.view,
+            metres=1.0,
+            pixels=np.inf,
         )
         state.changed.fill(1)
-        state.measure(self.uploaded, pattern)
+        state.measure(pattern)
         columns, rows = domain.global_coordinates(self.grid, pattern.points.host(), patch)
         placed = np.stack([columns / 65536, rows / 65536, positions[:, 2]], axis=1)
         triangles = pattern.primitives.host()
@@ -260,7 +268,14 @@ def camera_findings(
 
     terrain = Terrain(ground, device=device)
     state = Selection.start(
-        grid, case.analysis, terrain._ladder, view, metres=np.inf, pixels=1.0, cull=False
+        case.uploaded,
+        grid,
+        case.analysis,
+        terrain._ladder,
+        view,
+        metres=np.inf,
+        pixels=1.0,
+        cull=False,
     )
     boxes = [selection.bounding_box(grid, fit, index) for index, fit in enumerate(case.fits)]
     metres = np.array(
