@@ -19,26 +19,13 @@
 //
 // Built with: TILE cells, LEVELS of the ladder, LANES (1 or 8), what ground.h is built with.
 #include "ground.h"
+#include "lanes.h"
 #include "levels.h"
 
 // each lane rounds by itself: nothing is shared with another stage to the bit
 #pragma OPENCL FP_CONTRACT ON
 
 #define WIDTH (TILE + 1)
-
-#if LANES == 8
-typedef float8 Real;
-#define LARGER(a, b) ((a) > (b) ? (a) : (b))
-#define ABSOLUTE(a) ((a) < 0.0f ? -(a) : (a))
-#define SET_LANE(real, lane, value) ((float *)&(real))[lane] = (value)
-#define LANE(real, lane) ((const float *)&(real))[lane]
-#else
-typedef float Real;
-#define LARGER(a, b) ((a) > (b) ? (a) : (b))
-#define ABSOLUTE(a) ((a) < 0.0f ? -(a) : (a))
-#define SET_LANE(real, lane, value) (real) = (value)
-#define LANE(real, lane) (real)
-#endif
 
 // where the samples of a line of cells lie in a lattice of f segments
 typedef struct {

@@ -8,10 +8,16 @@ import numpy as np
 import numpy.typing as npt
 
 from .buffers import DeviceAnalysis, DeviceGround, DeviceLadder
+from .device import Device
 from .grid import TileGrid
 
-_LANES: Final = 8  # tiles that a CPU measures side by side
+_LANES: Final = 8  # of a CPU's vectors
 _GROUP: Final = 64
+
+
+def lanes_of(device: Device) -> int:
+    """Return how many things one work-item measures side by side; ``kernels/lanes.h``."""
+    return 1 if device.is_gpu else _LANES
 
 
 def tile_groups(grid: TileGrid, tiles: npt.NDArray[np.int32], lanes: int) -> npt.NDArray[np.int32]:
@@ -85,7 +91,7 @@ def measure_tiles(
 ) -> None:
     """Measure some tiles and their edges into what is known of all."""
     device, levels = ground.device, grid.levels
-    lanes = 1 if device.is_gpu else _LANES
+    lanes = lanes_of(device)
     defines = {"TILE": grid.tile, "LEVELS": levels, "LANES": lanes, **ground.defines}
     groups = tile_groups(grid, tiles, lanes)
     local = _GROUP if device.is_gpu else 1

@@ -13,6 +13,7 @@ from .arguments import one_of
 from .buffers import DeviceAnalysis, DeviceFactors, DeviceGround, DeviceLadder
 from .device import DeviceArray, Kernel
 from .grid import TileGrid
+from .ladder import lanes_of
 from .pattern import DevicePattern
 
 # how an edge's factor is chosen: by its own error, or from the two tiles' factors
@@ -22,7 +23,7 @@ _GROUP: Final = 64
 _RUNS: Final = 1024  # work-groups on a CPU, each with a run of patches
 
 # what the ladder predicts differs from what is measured by roundings, of places above all
-FIRST_SHARE: Final = 0.999
+FIRST_SHARE: Final = 0.998
 
 # the least share of what is allowed that the ladder is still asked for; below it, full resolution
 _LEAST_SHARE: Final = 0.05
@@ -196,10 +197,8 @@ class Selection:
         ground, device = self.ground, self.ground.device
         group = device.group_size(64)
         groups = self.grid.count if device.is_gpu else min(self.grid.count, _RUNS)
-        kernel = device.kernel(
-            "tile_error.cl", "tile_error", TILE=self.grid.tile, GROUP=group, **ground.defines
-        )
-        kernel(
+        defines = {"TILE": self.grid.tile, "GROUP": group, "LANES": lanes_of(device)}
+        device.kernel("tile_error.cl", "tile_error", **defines, **ground.defines)(
             (groups * group,),
             (group,),
             grid=self.grid.record(),
@@ -210,8 +209,7 @@ class Selection:
             points=pattern.points,
             triangle_offsets=pattern.primitive_offsets,
             triangles=pattern.primitives,
-            offsets=device.empty((pattern.points.shape[0], 2), np.int32),
-            point_heights=device.empty(pattern.points.shape[0], np.float32),
+            corners=device.empty((pattern.points.shape[0], 4), np.float32),
             errors=self.measured,
             scratch=group * 4,
         )
