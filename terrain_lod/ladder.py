@@ -76,10 +76,13 @@ def ladder_on_device(
 
 def edges_of(grid: TileGrid, tiles: npt.NDArray[np.int32]) -> tuple[npt.NDArray[np.int32], ...]:
     """Return the edges of `tiles` that run across, and those that run down."""
-    row, column = np.divmod(tiles, grid.shape[1])
-    west = row * (grid.shape[1] + 1) + column
-    across = np.unique([tiles, tiles + grid.shape[1]])
-    return across.astype(np.int32), np.unique([west, west + 1]).astype(np.int32)
+    rows, columns = grid.shape
+    row, column = np.divmod(tiles, columns)
+    across = np.zeros((rows + 1, columns), bool)
+    down = np.zeros((rows, columns + 1), bool)
+    across[row, column] = across[row + 1, column] = True
+    down[row, column] = down[row, column + 1] = True
+    return tuple(np.flatnonzero(edges).astype(np.int32) for edges in (across, down))
 
 
 def measure_tiles(
