@@ -86,6 +86,18 @@ def test_nothing_tells_it_from_the_stored_sum(make: str, tile: int, steps: tuple
         assert mesh.achieved == other.achieved
 
 
+def test_a_group_of_items_finds_the_samples_of_a_tile_together(monkeypatch) -> None:
+    monkeypatch.setattr(tl.Device, "group_size", lambda self, wanted=64: wanted)
+    ground, detail = ground_of("holed"), detail_of((3, 2))
+    found, expected = (
+        tl.Terrain(ground, detail=detail),
+        tl.Terrain(ground.with_detail(detail)),
+    )
+    np.testing.assert_array_equal(found._analysis.details.host(), expected._analysis.details.host())
+    lod = tl.MaxErrorLod(2.0)
+    assert found.mesh(lod=lod).achieved == expected.mesh(lod=lod).achieved
+
+
 @pytest.mark.parametrize("make", GROUNDS)
 def test_the_error_promised_is_that_of_the_sum(make: str) -> None:
     ground, detail = ground_of(make, 60, 60), detail_of((3, 2))
