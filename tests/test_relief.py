@@ -211,6 +211,12 @@ def test_detail_of_the_wrong_kind_is_one_clear_line(detail: object, message: str
         assert "\n" not in str(error.value)
 
 
+def test_a_terrain_says_that_it_has_detail() -> None:
+    terrain = tl.Terrain(ground_of(), detail=detail_of((3, 2)))
+    assert "detail=Heightmap(13 x 17" in repr(terrain)
+    assert "13 × 17" in terrain._repr_html_()
+
+
 def test_more_samples_than_can_be_numbered_are_refused() -> None:
     ground = tl.Heightmap(np.zeros((2, 2)), spacing=1e6)
     for step in (1.0, 1e-5):
