@@ -1,4 +1,5 @@
-"""Speed of the stages: analysis against a bare read, a million triangles against a bare copy.
+"""Speed of the stages: analysis against a bare read, a million triangles against a bare copy, and
+what detail costs and saves beside the same ground stored whole.
 
     python benchmarks/terrain.py [--samples 4096]
 
@@ -8,6 +9,7 @@ Prints device times, medians of interleaved rounds, and ratios within the run.
 from __future__ import annotations
 
 import argparse
+from functools import partial
 from statistics import median
 
 import numpy as np
@@ -17,6 +19,7 @@ import terrain_lod as tl
 from terrain_lod.analysis import analyse_on_device
 from terrain_lod.domain import displace_on_device
 from terrain_lod.grid import TileGrid
+from terrain_lod.ladder import ladder_on_device
 
 
 def fractal(samples: int) -> tl.Heightmap:
@@ -87,8 +90,48 @@ def _maximum_for_a_million(terrain: tl.Terrain, camera: tl.Camera) -> float:
     return high
 
 
+def with_detail(samples: int, steps: int, device: tl.Device) -> None:
+    """Print what ground costs that is found where it is read, beside the same in one piece."""
+    ground = fractal(samples)
+    heights = np.random.default_rng(1).normal(size=(128, 128)).astype(np.float32)
+    small = tl.Heightmap(heights, spacing=30.0 / steps)
+    stored = ground.with_detail(small)
+    x, y, _ = ground.centre
+    eye = tl.Terrain(ground, device=device).height_at([(x, y)])[0] + 300
+    camera = tl.Camera((x, y, eye), (x + 900, y + 900, eye - 200))
+    terrains = {}
+    for name, make in (
+        ("detail", lambda: tl.Terrain(ground, detail=small, device=device)),
+        ("one piece", lambda: tl.Terrain(stored, device=device)),
+    ):
+        before = device.allocated
+        terrains[name] = make()
+        print(f"{name}: {(device.allocated - before) / 2**20:.1f} MiB on the device")
+    works = {}
+    for name, terrain in terrains.items():
+        whole = terrain._pattern(
+            terrain._factors(None, tl.UniformLod(5.0), "min", False), "fractional_odd"
+        )
+        parts = terrain._ground, terrain.grid
+        works |= {
+            f"analyse, {name}": partial(analyse_on_device, *parts),
+            f"ladder, {name}": partial(ladder_on_device, *parts, terrain._analysis),
+            f"displace, {name}": partial(displace_on_device, *parts, whole),
+            f"mesh, {name}": partial(terrain.mesh, camera, lod=tl.ScreenErrorLod(2.0)),
+        }
+    times = interleaved(device, works, repeats=5)
+    rows, columns = stored.shape
+    print(f"{rows} x {columns} samples, {steps} x {steps} a cell")
+    for work in ("analyse", "ladder", "displace", "mesh"):
+        one, other = f"{work}, detail", f"{work}, one piece"
+        print(
+            f"  {work:12} {median(times[one]) * 1e3:8.2f} ms with detail, "
+            f"{ratio(times, one, other):5.2f} x in one piece"
+        )
+
+
 def main() -> None:
-    """Run both."""
+    """Run all."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--samples", type=int, default=4096, help="along a side of the raster")
     parser.add_argument("--device", help="part of a device's name, cpu or gpu")
@@ -97,6 +140,7 @@ def main() -> None:
     print(device.info)
     analysis(options.samples, device)
     million_triangles(min(options.samples, 2049), device)
+    with_detail(min(options.samples, 512), 8, device)
 
 
 if __name__ == "__main__":

@@ -192,7 +192,7 @@ __kernel void ladder(const Grid grid,
             for (int lane = 0; lane < LANES; ++lane) {
                 // a tile with holes is always meshed in full
                 const bool usable = is_full || details[tiles[lane]].w == 0.0f;
-                const size_t place = (tiles[lane] * LEVELS + level_v) * LEVELS + level_u;
+                const size_t place = ((size_t)tiles[lane] * LEVELS + level_v) * LEVELS + level_u;
                 errors[place] = usable ? LANE(found.all, lane) : INFINITY;
                 inner_errors[place] = usable ? LANE(found.inner, lane) : INFINITY;
             }

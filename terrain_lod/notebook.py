@@ -32,6 +32,8 @@ def terrain_html(terrain: Terrain) -> str:
     rows, columns = terrain.grid.shape
     tiles = f"{rows} × {columns} of {terrain.grid.tile} cells"
     table = {**_ground_rows(terrain.ground), "tiles": tiles, "device": terrain.device.info.name}
+    if terrain.detail is not None:
+        table["detail"] = " × ".join(f"{extent:,}" for extent in terrain.detail.shape)
     return _page(f"Terrain {terrain.ground.name}", table, _picture(terrain.ground))
 
 

@@ -104,8 +104,8 @@ def _steps(ground: Heightmap, detail: Heightmap) -> tuple[int, int]:
         raise InputError(f"expected detail as a Heightmap, got {type(detail).__name__}")
     if detail.mask is not None:
         raise InputError(
-            f"expected detail with data everywhere, got {int(detail.mask.sum())} samples without: "
-            "set them to 0, which adds nothing"
+            f"expected detail with data everywhere, got {int(detail.mask.sum())} of "
+            f"{detail.mask.size} samples without: set them to 0, which adds nothing"
         )
     if detail.crs not in (None, ground.crs):
         raise InputError(

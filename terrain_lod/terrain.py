@@ -92,6 +92,8 @@ class Terrain:
     def update(self, rows: slice, columns: slice, heights: npt.ArrayLike) -> int:
         """Replace samples of the ground, and analyse the tiles that they touch anew.
 
+        Detail stays what it is: samples and heights are those of the ground without it.
+
         All that is known of these tiles is as if the terrain had been made of the new ground, to
         the bit; :attr:`ground` is that new ground. On an error nothing has changed.
 
@@ -375,4 +377,5 @@ class Terrain:
 
     def __repr__(self) -> str:
         rows, columns = self.grid.shape
-        return f"Terrain({self.ground!r}, {rows} x {columns} tiles of {self.grid.tile})"
+        detail = "" if self.detail is None else f", detail={self.detail!r}"
+        return f"Terrain({self.ground!r}{detail}, {rows} x {columns} tiles of {self.grid.tile})"

@@ -94,6 +94,20 @@ def test_mesh_is_culled_where_asked(ground, capsys):
     assert ", 0 of 20" not in capsys.readouterr().out
 
 
+def test_detail_is_laid_over_the_ground(ground, capsys):
+    np.save("in/bumps.npy", np.random.default_rng(0).normal(size=(9, 8)))
+    options = ["--spacing", "3", "--lod", "max-error", "--metres", "0.5"]
+    assert run(["mesh", ground, "-o", "hills.glb", *options]) == 0
+    assert "0 of 20 patches left out" in capsys.readouterr().out
+    assert run(["mesh", ground, "-o", "hills.glb", "--detail", "in/bumps.npy", *options]) == 0
+    out = capsys.readouterr().out
+    assert "0 of 180 patches left out" in out
+    # measured against the sum: hardly a triangle less than all there are
+    assert float(out.split("largest error ")[1].split()[0]) <= 0.5
+    assert "40906 samples" in out
+    assert "watertight" in out
+
+
 def test_lods_and_their_options_reach_the_mesh(ground, capsys):
     def triangles(*options):
         assert run(["mesh", ground, "-o", "hills.glb", *options]) == 0
@@ -337,6 +351,23 @@ def test_bad_detail(ground, capsys, command, options, message):
 )
 def test_bad_output_and_bad_words(ground, capsys, tokens, message):
     assert message in refused(capsys, *tokens)
+
+
+@needs_graphics
+@pytest.mark.parametrize("command", ["render", "mesh"])
+@pytest.mark.parametrize(
+    ("name", "options", "message"),
+    [
+        ("in/none.npy", [], "in/none.npy"),
+        ("in/bumps.npy", ["--spacing", "2.5"], "spacing divides the ground's, 2.5 x 2.5"),
+        ("in/holed.npy", [], "expected detail with data everywhere, got 1 of 4 samples without"),
+    ],
+)
+def test_bad_detail_map(ground, capsys, command, name, options, message):
+    np.save("in/bumps.npy", np.ones((5, 5)))
+    np.save("in/holed.npy", [[1, 2], [3, np.nan]])
+    line = refused(capsys, command, ground, *COMMANDS[command], "--detail", name, *options)
+    assert message in line
 
 
 @needs_graphics

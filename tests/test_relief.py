@@ -86,6 +86,18 @@ def test_nothing_tells_it_from_the_stored_sum(make: str, tile: int, steps: tuple
         assert mesh.achieved == other.achieved
 
 
+def test_a_group_of_items_finds_the_samples_of_a_tile_together(monkeypatch) -> None:
+    monkeypatch.setattr(tl.Device, "group_size", lambda self, wanted=64: wanted)
+    ground, detail = ground_of("holed"), detail_of((3, 2))
+    found, expected = (
+        tl.Terrain(ground, detail=detail),
+        tl.Terrain(ground.with_detail(detail)),
+    )
+    np.testing.assert_array_equal(found._analysis.details.host(), expected._analysis.details.host())
+    lod = tl.MaxErrorLod(2.0)
+    assert found.mesh(lod=lod).achieved == expected.mesh(lod=lod).achieved
+
+
 @pytest.mark.parametrize("make", GROUNDS)
 def test_the_error_promised_is_that_of_the_sum(make: str) -> None:
     ground, detail = ground_of(make, 60, 60), detail_of((3, 2))
@@ -120,7 +132,8 @@ def test_updates_reach_as_far_as_the_detail_of_their_neighbours(make: str) -> No
     terrain = tl.Terrain(ground, detail=detail, tile=7)
     everything(terrain)  # the ladder exists, and must follow
     for rows, columns in (
-        (slice(20, 21), slice(9, 11)),
+        # the last samples that change are the first of another tile: 2 * 18 - 1, 3 * 12 - 1
+        (slice(17, 18), slice(9, 12)),
         (slice(0, 3), slice(0, 1)),
         (slice(44, 45), slice(30, 38)),
     ):
@@ -183,7 +196,7 @@ def holes_in(detail: tl.Heightmap) -> tl.Heightmap:
         (tl.Heightmap(np.zeros((4, 4)), spacing=(7, 20)), r"spacing divides .* 30 x 20, .* 7 x 20"),
         (tl.Heightmap(np.zeros((4, 4)), spacing=(10, 40)), "got 10 x 40"),
         (tl.Heightmap(np.zeros((4, 4)), spacing=(30, 20.1)), "got 30 x 20.1"),
-        (holes_in(detail_of((3, 2))), "data everywhere, got 2 samples without"),
+        (holes_in(detail_of((3, 2))), "data everywhere, got 2 of 221 samples without"),
         (
             tl.Heightmap(np.zeros((4, 4)), spacing=(10, 10), crs="EPSG:2056"),
             r"ground's \(None\), got EPSG:2056",
@@ -196,6 +209,12 @@ def test_detail_of_the_wrong_kind_is_one_clear_line(detail: object, message: str
         with pytest.raises(tl.InputError, match=message) as error:
             use()
         assert "\n" not in str(error.value)
+
+
+def test_a_terrain_says_that_it_has_detail() -> None:
+    terrain = tl.Terrain(ground_of(), detail=detail_of((3, 2)))
+    assert "detail=Heightmap(13 x 17" in repr(terrain)
+    assert "13 × 17" in terrain._repr_html_()
 
 
 def test_more_samples_than_can_be_numbered_are_refused() -> None:

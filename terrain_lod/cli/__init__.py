@@ -25,6 +25,7 @@ from .cli_smooth import smooth
 from .cli_view import view
 from .options import (
     CameraOptions,
+    DetailMap,
     DetailOptions,
     EdgeRule,
     Factor,
@@ -33,6 +34,7 @@ from .options import (
     LodName,
     Sun,
     TerrainOptions,
+    load_detail,
 )
 from .output import PROGRAM, complain, log, progress_bar, say, say_table, set_verbosity, warn
 
@@ -104,6 +106,7 @@ def render(
     lod: LodName = "screen-error",
     factor: Factor = None,
     edges: EdgeRule = None,
+    overlay: DetailMap = None,
     reading: GroundOptions = GroundOptions(),  # noqa: B008
     view: CameraOptions = CameraOptions(),  # noqa: B008
     detail: DetailOptions = DetailOptions(),  # noqa: B008
@@ -132,6 +135,9 @@ def render(
     edges
         Factor of an edge between two tiles: the lower of what they want, the higher, or by the
         edge's own error. Default: edge where an error is kept, else min.
+    overlay
+        A raster that is added all over the ground, again and again. Its spacing is a whole part of
+        the ground's, and becomes that of tiles and errors.
     """
     from ..drawing.graphics import require_graphics
     from ..drawing.render import render as draw
@@ -142,15 +148,15 @@ def render(
     chosen = detail.make(lod, terrain.tile, factor)
     beside = many.second(detail, terrain.tile)
     require_graphics()
-    heights = reading.load(ground)
+    heights, added = reading.load(ground), load_detail(overlay)
     camera = view.over(heights)
     log("%r", heights)
     options: dict[str, Any] = {"style": style} if sun is None else {"style": style, "sun": sun}
     if many.many:
-        made = terrain.make(heights)
+        made = terrain.make(heights, added)
         return many.render(made, camera, output, [chosen, *beside], edges, **options)
     options |= {"drape": many.drape(heights), "edges": many.triangles}
-    mesh = terrain.make(heights).mesh(camera, lod=chosen, edges=edges)
+    mesh = terrain.make(heights, added).mesh(camera, lod=chosen, edges=edges)
     log("%r from %r", mesh, chosen)
     draw(mesh, camera, output, height_range=heights.height_range, **options)
     say(f"{output}: {_counts(mesh)}")
@@ -167,6 +173,7 @@ def mesh(
     lod: LodName = "screen-error",
     factor: Factor = None,
     edges: EdgeRule = None,
+    overlay: DetailMap = None,
     reading: GroundOptions = GroundOptions(),  # noqa: B008
     view: CameraOptions = CameraOptions(),  # noqa: B008
     detail: DetailOptions = DetailOptions(),  # noqa: B008
@@ -191,6 +198,9 @@ def mesh(
     edges
         Factor of an edge between two tiles: the lower of what they want, the higher, or by the
         edge's own error. Default: edge where an error is kept, else min.
+    overlay
+        A raster that is added all over the ground, again and again. Its spacing is a whole part of
+        the ground's, and becomes that of tiles and errors.
     """
     from ..files.export import FORMATS
     from ..measure.cracks import crack_report
@@ -199,14 +209,15 @@ def mesh(
     require_folder(output)
     one_of("mesh format", output.suffix.lower(), FORMATS)
     chosen = detail.make(lod, terrain.tile, factor)
-    heights = reading.load(ground)
+    heights, added = reading.load(ground), load_detail(overlay)
     camera = view.over(heights)
     log("%r", heights)
-    made = terrain.make(heights).mesh(camera, lod=chosen, edges=edges, cull=cull)
+    made = terrain.make(heights, added).mesh(camera, lod=chosen, edges=edges, cull=cull)
     log("%r from %r", made, chosen)
     made.save(output)
     say(f"{output}: {_counts(made)}")
-    say(f"vertical error: {vertical_error(made, heights, device=terrain.open())}")
+    shown = heights if added is None else heights.with_detail(added)
+    say(f"vertical error: {vertical_error(made, shown, device=terrain.open())}")
     say(str(crack_report(made)))
 
 

@@ -85,6 +85,17 @@ class GroundOptions:
         return load(name, **overrides)
 
 
+DetailMap = Annotated[Path | None, Parameter(name="--detail", group=_GROUND, metavar="FILE")]
+"""A raster file to lay over the ground."""
+
+
+def load_detail(path: Path | None) -> Heightmap | None:
+    """Return what is laid over the ground, if anything is."""
+    from ..files.loading import load
+
+    return None if path is None else load(path)
+
+
 @Parameter(name="*", group=_CAMERA)
 @dataclass(frozen=True)
 class CameraOptions:
@@ -243,7 +254,7 @@ class TerrainOptions:
 
         return Device.open(self.device)
 
-    def make(self, ground: Heightmap) -> Terrain:
+    def make(self, ground: Heightmap, detail: Heightmap | None = None) -> Terrain:
         from ..terrain import Terrain
 
-        return Terrain(ground, tile=self.tile, plane=self.plane, device=self.open())
+        return Terrain(ground, detail=detail, tile=self.tile, plane=self.plane, device=self.open())

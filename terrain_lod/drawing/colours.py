@@ -7,6 +7,7 @@ intensity and turned back, as eyes expect.
 from __future__ import annotations
 
 import math
+from functools import cache
 from typing import Final
 
 import numpy as np
@@ -46,6 +47,7 @@ _SUN: Final = (1.00, 0.95, 0.86)
 _SKY: Final = (0.30, 0.36, 0.44)
 
 _GAMMA: Final = 2.2
+_STEPS: Final = 1024  # of a ramp that is looked up
 
 
 def ramp(stops: Stops, positions: npt.NDArray[np.float32]) -> Colours:
@@ -53,6 +55,17 @@ def ramp(stops: Stops, positions: npt.NDArray[np.float32]) -> Colours:
     at, *channels = np.asarray(stops, np.float32).T
     colours = [np.interp(positions, at, channel) for channel in channels]
     return np.stack(colours, axis=-1).astype(np.float32)
+
+
+def _quick_ramp(stops: Stops, positions: npt.NDArray[np.float32]) -> Colours:
+    """Return the colour at each position (N,) as :func:`ramp` does, to a thousandth."""
+    steps = np.clip(positions * _STEPS, 0, _STEPS).astype(np.intp)
+    return _table(stops).take(steps, axis=0)
+
+
+@cache
+def _table(stops: Stops) -> Colours:
+    return ramp(stops, np.linspace(0, 1, _STEPS + 1, dtype=np.float32))
 
 
 def lod_colours(factors: npt.ArrayLike, factor_range: tuple[float, float]) -> Colours:
@@ -86,12 +99,12 @@ def hypsometric(
     """
     low, high = height_range
     shore = 0.0 if low <= 0 < high else low
-    land = ramp(LAND_STOPS, (elevations - shore) / max(high - shore, 1e-30))
+    land = _quick_ramp(LAND_STOPS, (elevations - shore) / max(high - shore, 1e-30))
     # rock shows from 27 degrees on, and alone from 53
     land = mixed(land, np.clip((0.9 - normals[:, 2]) / 0.3, 0.0, 1.0), _ROCK)
     if not low <= 0 < high:
         return land
-    sea = ramp(WATER_STOPS, elevations / min(low, -1e-30))
+    sea = _quick_ramp(WATER_STOPS, elevations / min(low, -1e-30))
     return np.where(elevations[:, None] <= 0, sea, land)
 
 
@@ -116,16 +129,23 @@ def lit(
     colours: Colours, normals: npt.NDArray[np.float32], sun: npt.NDArray[np.float32]
 ) -> Colours:
     """Return `colours` (N, 3) under sun and sky: Lambert's cosine, and more sky from above."""
-    facing_sun = np.maximum(normals @ sun, 0.0)[:, None]
-    facing_sky = (0.5 + 0.5 * normals[:, 2:]).astype(np.float32)
-    light = facing_sun * np.asarray(_SUN, np.float32) + facing_sky * np.asarray(_SKY, np.float32)
-    intensity: Colours = np.clip(colours**_GAMMA * light, 0.0, 1.0)
-    return intensity ** (1 / _GAMMA)
+    facing_sun = np.maximum(normals @ sun, 0.0)
+    facing_sky = 0.5 + 0.5 * normals[:, 2]
+    seen = np.empty(colours.shape, np.float32)
+    # a channel at a time: rows of three are slow
+    for channel, (of_sun, of_sky) in enumerate(zip(_SUN, _SKY, strict=True)):
+        light = np.float32(of_sun) * facing_sun + np.float32(of_sky) * facing_sky
+        intensity = np.clip(colours[:, channel] ** _GAMMA * light, 0.0, 1.0)
+        seen[:, channel] = intensity ** (1 / _GAMMA)
+    return seen
 
 
 def mixed(colours: Colours, share: npt.NDArray[np.float32], other: tuple[float, ...]) -> Colours:
     """Return `colours` (N, 3) with a `share` (N,) in 0..1 of one `other` colour in each."""
-    mixture: Colours = colours + share[:, None] * (np.asarray(other, np.float32) - colours)
+    mixture = np.empty(colours.shape, np.float32)
+    for channel, value in enumerate(other):
+        own = colours[:, channel]
+        mixture[:, channel] = own + share * (np.float32(value) - own)
     return mixture
 
 
