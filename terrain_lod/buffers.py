@@ -174,3 +174,7 @@ class DeviceLadder:
     across: DeviceArray
     down: DeviceArray
     order: DeviceArray
+
+    def measured(self) -> dict[str, DeviceArray]:
+        """Return the arrays that are measured, by their names."""
+        return {name: getattr(self, name) for name in ("tiles", "inner", "across", "down")}

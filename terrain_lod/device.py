@@ -40,6 +40,7 @@ POCL: Final = "Portable Computing Language"
 
 # larger allocations are given back at once
 _LARGEST_KEPT: Final = 2**28
+_LANES: Final = 8  # of a CPU's vectors
 
 _listing_process: int | None = None  # which process has listed devices
 _opening = threading.Lock()
@@ -284,6 +285,11 @@ class Device:
     def group_size(self, wanted: int = 64) -> int:
         """Work-items that share one tile or patch: `wanted` on a GPU, one on a CPU."""
         return wanted if self.is_gpu else 1
+
+    @property
+    def lanes(self) -> int:
+        """Things that one work-item computes side by side; ``kernels/lanes.h``."""
+        return 1 if self.is_gpu else _LANES
 
     # memory
 

@@ -11,13 +11,7 @@ from .buffers import DeviceAnalysis, DeviceGround, DeviceLadder
 from .device import Device
 from .grid import TileGrid
 
-_LANES: Final = 8  # of a CPU's vectors
 _GROUP: Final = 64
-
-
-def lanes_of(device: Device) -> int:
-    """Return how many things one work-item measures side by side; ``kernels/lanes.h``."""
-    return 1 if device.is_gpu else _LANES
 
 
 def tile_groups(grid: TileGrid, tiles: npt.NDArray[np.int32], lanes: int) -> npt.NDArray[np.int32]:
@@ -48,6 +42,28 @@ def cheapest_first(levels: int) -> npt.NDArray[np.int32]:
     return np.lexsort([u + v, np.maximum(u, 1) * np.maximum(v, 1)]).astype(np.int32)
 
 
+def empty_ladder(device: Device, grid: TileGrid) -> DeviceLadder:
+    """Return room for a ladder.
+
+    Raises
+    ------
+    DeviceMemoryError
+        If the device cannot hold it.
+    """
+    levels, (rows, columns) = grid.levels, grid.shape
+    edges_across, edges_down = (rows + 1) * columns, rows * (columns + 1)
+    tiles = grid.count * levels**2 * 4
+    sizes = [tiles, tiles, edges_across * levels * 4, edges_down * levels * 4]
+    device.require(f"the error ladder of {grid.count} tiles", *sizes)
+    return DeviceLadder(
+        device.empty((grid.count, levels, levels), np.float32),
+        device.empty((grid.count, levels, levels), np.float32),
+        device.empty((edges_across, levels), np.float32),
+        device.empty((edges_down, levels), np.float32),
+        device.array(cheapest_first(levels)),
+    )
+
+
 def ladder_on_device(
     ground: DeviceGround, grid: TileGrid, analysis: DeviceAnalysis
 ) -> DeviceLadder:
@@ -58,18 +74,7 @@ def ladder_on_device(
     DeviceMemoryError
         If the device cannot hold the ladder.
     """
-    device = ground.device
-    levels, (rows, columns) = grid.levels, grid.shape
-    edges_across, edges_down = (rows + 1) * columns, rows * (columns + 1)
-    sizes = [grid.count * levels**2 * 8, edges_across * levels * 4, edges_down * levels * 4]
-    device.require(f"the error ladder of {grid.count} tiles", *sizes)
-    ladder = DeviceLadder(
-        device.empty((grid.count, levels, levels), np.float32),
-        device.empty((grid.count, levels, levels), np.float32),
-        device.empty((edges_across, levels), np.float32),
-        device.empty((edges_down, levels), np.float32),
-        device.array(cheapest_first(levels)),
-    )
+    ladder = empty_ladder(ground.device, grid)
     measure_tiles(ground, grid, analysis, ladder, np.arange(grid.count, dtype=np.int32))
     return ladder
 
@@ -94,7 +99,7 @@ def measure_tiles(
 ) -> None:
     """Measure some tiles and their edges into what is known of all."""
     device, levels = ground.device, grid.levels
-    lanes = lanes_of(device)
+    lanes = device.lanes
     defines = {"TILE": grid.tile, "LEVELS": levels, "LANES": lanes, **ground.defines}
     groups = tile_groups(grid, tiles, lanes)
     local = _GROUP if device.is_gpu else 1

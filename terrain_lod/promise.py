@@ -1,9 +1,9 @@
-"""Keeping a promise: choose from the ladder, measure what comes of it, tighten, until it holds.
+"""Keeping a promise: choose factors, measure what comes of them, tighten, until it holds.
 
-The ladder knows a tile with edges to match. Where an edge has another factor, a transition strip
-makes triangles that no ladder has measured. So the finished triangles are measured, on the device,
-and tiles that exceed what they are allowed are asked for less; in the end they are meshed in full,
-which is exact. What is promised is what was measured last.
+What is chosen holds by what the ladder and the strips beside edges say, at whole odd factors. Other
+partitionings round factors, and every float is rounded. So the finished triangles are measured, on
+the device, and tiles that exceed what they are allowed are asked for less; in the end they are
+meshed in full, which is exact. What is promised is what was measured last.
 """
 
 from __future__ import annotations

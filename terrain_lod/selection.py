@@ -13,7 +13,6 @@ from .arguments import one_of
 from .buffers import DeviceAnalysis, DeviceFactors, DeviceGround, DeviceLadder
 from .device import DeviceArray, Kernel
 from .grid import TileGrid
-from .ladder import lanes_of
 from .pattern import DevicePattern
 
 # how an edge's factor is chosen: by its own error, or from the two tiles' factors
@@ -197,7 +196,7 @@ class Selection:
         ground, device = self.ground, self.ground.device
         group = device.group_size(64)
         groups = self.grid.count if device.is_gpu else min(self.grid.count, _RUNS)
-        defines = {"TILE": self.grid.tile, "GROUP": group, "LANES": lanes_of(device)}
+        defines = {"TILE": self.grid.tile, "GROUP": group, "LANES": device.lanes}
         device.kernel("tile_error.cl", "tile_error", **defines, **ground.defines)(
             (groups * group,),
             (group,),

@@ -11,6 +11,7 @@ Data stays on the device between the stages and comes down once, as a Mesh.
 from __future__ import annotations
 
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -24,11 +25,12 @@ from .camera import Camera
 from .device import Device, DeviceArray
 from .domain import displace_on_device
 from .errors import InputError
+from .files.ladders import fingerprint, read_ladder, write_ladder
 from .grid import TileGrid
 from .heightmap import Heightmap
 from .holes import without_holes_on_device
 from .hull import displace_corners, hull_on_device, patches_on_device
-from .ladder import ladder_on_device, measure_tiles
+from .ladder import empty_ladder, ladder_on_device, measure_tiles
 from .lod import Lod, PromiseLod, Scene, ScreenErrorLod, Weighted
 from .mesh import Achieved, Mesh, Patches
 from .opencl.timeline import Timeline
@@ -127,6 +129,44 @@ class Terrain:
         for known in ("analysis", "scene"):
             self.__dict__.pop(known, None)
         return len(tiles)
+
+    def save_ladder(self, path: str | Path) -> Path:
+        """Write the error ladder, which promises are kept with, to a file beside the raster.
+
+        Parameters
+        ----------
+        path : str or pathlib.Path
+            By custom ends in .npz; an existing file is replaced.
+
+        Returns
+        -------
+        pathlib.Path
+            The file.
+
+        Raises
+        ------
+        FileError
+            If the file cannot be written.
+        """
+        path = Path(path)
+        arrays = {name: array.host() for name, array in self._ladder.measured().items()}
+        write_ladder(path, fingerprint(self._relief, self.grid.tile), arrays)
+        return path
+
+    def load_ladder(self, path: str | Path) -> None:
+        """Take the error ladder from a file of :meth:`save_ladder`, instead of measuring it.
+
+        Raises
+        ------
+        FileError
+            If the file cannot be read, or is the ladder of other ground or of other tiles.
+        """
+        ladder = empty_ladder(self.device, self.grid)
+        shapes = {name: array.shape for name, array in ladder.measured().items()}
+        arrays = read_ladder(Path(path), fingerprint(self._relief, self.grid.tile), shapes)
+        for name, array in ladder.measured().items():
+            array.write(arrays[name])
+        self.__dict__["_ladder"] = ladder
 
     @property
     def _lowest(self) -> float:

@@ -23,9 +23,7 @@ def everything(terrain: tl.Terrain) -> dict[str, np.ndarray]:
         "planes": terrain._analysis.planes.host(),
         "details": terrain._analysis.details.host(),
         "control points": terrain._patches.control_points.host(),
-        "tiles": ladder.tiles.host(),
-        "across": ladder.across.host(),
-        "down": ladder.down.host(),
+        **{name: array.host() for name, array in ladder.measured().items()},
     }
 
 
