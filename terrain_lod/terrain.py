@@ -84,10 +84,10 @@ class Terrain:
         device: Device | None = None,
     ) -> None:
         self._relief = Relief(ground, detail)
-        self.grid = TileGrid.of(self._relief, tile)
         self.device = device or Device.open()
-        self._plane = plane
         self._ground = DeviceGround.upload(self._relief, self.device)
+        self.grid = TileGrid.of(self._relief, tile)
+        self._plane = plane
         self._analysis = analyse_on_device(self._ground, self.grid, plane=plane)
         self._patches = patches_on_device(self._ground, self.grid, self._lowest)
 
