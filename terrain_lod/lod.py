@@ -234,7 +234,8 @@ class BudgetLod(PromiseLod):
     triangles : int
         The most that the mesh may have.
     pixels, metres : float, optional
-        Errors that need not be bettered: fewer triangles are used where they suffice.
+        Error that need not be bettered, with and without a camera: fewer triangles are used where
+        they suffice.
     """
 
     triangles: int

@@ -82,6 +82,11 @@ class Promise:
         """Return the cheapest mesh found that keeps what `lod` promises."""
         if lod.triangles is None:
             return self._within(lod.metres, lod.pixels)
+        if self.has_camera and lod.metres:
+            raise InputError(
+                f"expected pixels to be enough for a budget at a camera, got metres={lod.metres:g}: "
+                "leave the camera out, or give pixels"
+            )
         return self._least_error(lod.triangles, lod.pixels if self.has_camera else lod.metres)
 
     def _within(self, metres: float, pixels: float) -> Kept:

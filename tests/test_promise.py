@@ -129,6 +129,12 @@ def test_both_caps_together() -> None:
     assert short.achieved.metres > 0.1
 
 
+def test_metres_are_no_cap_at_a_camera() -> None:
+    ground = GROUNDS["rough"]
+    with pytest.raises(tl.InputError, match="expected pixels to be enough"):
+        tl.Terrain(ground).mesh(cameras_over(ground, 1)[0], lod=tl.BudgetLod(10**6, metres=5.0))
+
+
 def test_more_budget_means_less_error() -> None:
     terrain = tl.Terrain(GROUNDS["rough"])
     errors = [terrain.mesh(lod=tl.BudgetLod(n)).achieved.metres for n in (1000, 3000, 9000)]
