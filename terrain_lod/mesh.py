@@ -103,6 +103,8 @@ class Mesh:
         Seconds of device time by stage.
     achieved : Achieved or None
         The measured error, where the level of detail promised one.
+    textures : (V, 2) float32, or None
+        Texture coordinates: u to the right, v up.
     """
 
     vertices: npt.NDArray[np.float32]
@@ -113,6 +115,7 @@ class Mesh:
     patches: Patches | None = None
     timings: dict[str, float] = field(default_factory=dict)
     achieved: Achieved | None = None
+    textures: npt.NDArray[np.float32] | None = None
 
     def __post_init__(self) -> None:
         for name, array, width in (
@@ -125,6 +128,11 @@ class Mesh:
         if len(self.normals) != len(self.vertices):
             raise InputError(
                 f"expected a normal a vertex, got {len(self.normals)} for {len(self.vertices)}"
+            )
+        if self.textures is not None and self.textures.shape != (len(self.vertices), 2):
+            raise InputError(
+                f"expected texture coordinates of shape ({len(self.vertices)}, 2), one pair a "
+                f"vertex, got {self.textures.shape}"
             )
 
     @property

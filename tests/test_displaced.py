@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from curved_meshes import CLOSED, bulging, cube, torus
@@ -36,6 +38,11 @@ def test_closed_where_every_edge_is_a_seam(make, curved: bool) -> None:
     mesh, textures = charted(make())
     factors = np.random.default_rng(2).uniform(1, 9, mesh.triangles.shape)
     found = displace(mesh, ROUGH, textures, factors, scale=0.1, bias=-0.02, curved=curved)
+    # the mesh's own texture coordinates stand in, and go along
+    mesh = replace(mesh, textures=textures)
+    own = displace(mesh, ROUGH, None, factors, scale=0.1, bias=-0.02, curved=curved)
+    np.testing.assert_array_equal(own.vertices, found.vertices)
+    assert own.textures.shape == (len(own.vertices), 2)
     assert not crack_report(found, closed=True)
     np.testing.assert_allclose(np.linalg.norm(found.normals, axis=1), 1, atol=1e-6)
 
@@ -150,6 +157,7 @@ def test_wrong_arguments() -> None:
     for call, message in (
         (lambda: displace(mesh, np.zeros(3), textures), "map of finite heights"),
         (lambda: displace(mesh, ROUGH, textures[:5]), "one pair a vertex"),
+        (lambda: displace(mesh, ROUGH), "got none, and the mesh has none"),
         (lambda: displace(mesh, ROUGH, textures, 0.5), "factor from 1"),
         (lambda: displace(mesh, ROUGH, textures, scale=np.nan), "finite scale"),
         (lambda: variation_factors(mesh, ROUGH, textures, tolerance=0), "tolerance > 0"),

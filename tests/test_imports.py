@@ -29,7 +29,7 @@ ROOMS = {
     # ground, patches and meshes from files and to files; what can be known of a mesh alone
     "files": ("files.loading files.readers* files.samples files.bpt files.ladders", "values"),
     "meshes": (
-        "files.export files.glb files.ply files.mesh_loading measure.opposed_edges measure.cracks "
+        "files.export files.glb files.ply files.mesh_* measure.opposed_edges measure.cracks "
         "curved.creases",
         "values",
     ),

@@ -5,20 +5,23 @@ from __future__ import annotations
 import logging
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import pyvista
+from curved_meshes import torus
 from drawn_meshes import grid_mesh
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from terrain_lod.errors import FileError, InputError
+from terrain_lod.errors import FileError, InputError, MissingExtraError
 from terrain_lod.files.export import FORMATS, save
 from terrain_lod.files.mesh_loading import load_mesh, vertex_normals
 from terrain_lod.files.ply import require_whole_ply
 from terrain_lod.heightmap import Heightmap
+from terrain_lod.measure.cracks import crack_report
 
 SQUARE = """v 0 0 0
 v 2 0 0
@@ -103,6 +106,67 @@ def test_what_is_no_mesh_is_refused_in_one_line(obj, text, message):
     with pytest.raises(InputError, match=message) as caught:
         load_mesh(obj(text))
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("ending", [".off", ".msh", ".inp", ".mesh", ".vol", ".mdpa"])
+def test_formats_that_meshio_knows(tmp_path, ending):
+    meshio = pytest.importorskip("meshio")
+    expected, path = torus(), tmp_path / f"ring{ending}"
+    meshio.Mesh(expected.vertices.astype(float), [("triangle", expected.triangles)]).write(path)
+    mesh = load_mesh(path)
+    corners = (mesh.vertices + mesh.origin)[mesh.triangles]
+    np.testing.assert_allclose(corners, expected.vertices[expected.triangles], atol=1e-6)
+    assert not crack_report(mesh, closed=True)
+    path.write_bytes(path.read_bytes()[:40])
+    with pytest.raises((FileError, InputError), match=r"expected|cannot read") as caught:
+        load_mesh(path)
+    assert "\n" not in str(caught.value)
+
+
+def test_corners_out_of_range_in_a_format_of_meshio(tmp_path):
+    pytest.importorskip("meshio")
+    path = tmp_path / "outside.off"
+    path.write_text("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n")
+    with pytest.raises(InputError, match=r"among its 3 vertices, got \[7\]"):
+        load_mesh(path)
+
+
+def test_without_meshio_one_line_says_what_to_install(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "meshio", None)
+    (tmp_path / "ring.off").write_text("OFF\n")
+    with pytest.raises(MissingExtraError, match=r"ring\.off: .* install 'terrain_lod\[meshes\]'"):
+        load_mesh(tmp_path / "ring.off")
+
+
+# texture coordinates
+
+
+@pytest.mark.parametrize("ending", [".glb", ".obj", ".ply", ".vtp"])
+def test_texture_coordinates_come_back(tmp_path, ending):
+    ring = torus()
+    textures = np.random.default_rng(1).uniform(-1, 2, (len(ring.vertices), 2)).astype(np.float32)
+    mesh = load_mesh(save(replace(ring, textures=textures), tmp_path / f"ring{ending}"))
+    # files may split vertices and put them in another order
+    found = np.concatenate([mesh.vertices, mesh.textures], axis=1)
+    expected = np.concatenate([ring.vertices, textures], axis=1)
+    corners = found[mesh.triangles.ravel()], expected[ring.triangles.ravel()]
+    np.testing.assert_allclose(*corners, atol=1e-5)
+    assert load_mesh(save(ring, tmp_path / f"bare{ending}")).textures is None
+
+
+def test_texture_coordinates_of_others(tmp_path, obj):
+    # a seam: one position, two pairs
+    pairs = "vt 0 0\nvt 1 0\nvt 0 1\nvt 0.5 0.25\n"
+    mesh = load_mesh(obj(SQUARE + pairs + "f 1/1 2/2 3/3\nf 2/4 4/2 3/3\n"))
+    assert mesh.textures[mesh.triangles].tolist() == [
+        [[0, 0], [1, 0], [0, 1]],
+        [[0.5, 0.25], [1, 0], [0, 1]],
+    ]
+    # glTF of others counts v from the top
+    path = save(replace(torus(), textures=np.full((128, 2), 0.25, np.float32)), tmp_path / "a.glb")
+    path.write_bytes(path.read_bytes().replace(b'"terrain_lod"', b'"terrain_xyz"'))
+    np.testing.assert_array_equal(load_mesh(path).textures, 0.25)
+    assert b"TEXCOORD_0" in path.read_bytes()
 
 
 def test_files_that_are_not_there_or_unknown(tmp_path):

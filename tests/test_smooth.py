@@ -161,6 +161,11 @@ def test_texture_coordinates_go_along(partitioning: str) -> None:
     assert not crack_report(replace(smooth, vertices=flat), closed=True)
     with pytest.raises(tl.InputError, match="expected values for 128 vertices"):
         smooth.interpolate(np.zeros((5, 2)))
+    # the mesh's own are there at once
+    assert smooth.textures is None
+    pairs = np.random.default_rng(2).uniform(size=(len(mesh.vertices), 2)).astype(np.float32)
+    own = pn_triangles(replace(mesh, textures=pairs), 4.3, partitioning=partitioning, sharp=30)
+    np.testing.assert_array_equal(own.textures, smooth.interpolate(pairs))
 
 
 @pytest.mark.parametrize("partitioning", ["fractional_odd", "integer"])

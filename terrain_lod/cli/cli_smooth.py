@@ -88,7 +88,8 @@ def smooth(
     Parameters
     ----------
     mesh
-        A mesh file: .glb, .gltf, .obj, .ply, .stl, .vtk, .vtp, .vtu or another that pyvista reads.
+        A mesh file: .glb, .gltf, .obj, .ply, .stl, .vtk, .vtp, .vtu or another that pyvista reads;
+        with the extra meshes also .msh, .inp, .mesh, .off and what else meshio reads.
     output
         File to write: .glb, .obj, .ply, .stl or .vtp.
     lod

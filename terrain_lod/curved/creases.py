@@ -60,7 +60,10 @@ def split_at_creases(mesh: Mesh, degrees: float) -> Mesh:
     vertices[part] = mesh.vertices[mesh.triangles.ravel()]
     split = part.reshape(-1, 3).astype(np.int32)
     normals = vertex_normals(vertices, split).astype(np.float32)
-    return replace(mesh, vertices=vertices, normals=normals, triangles=split, patches=None)
+    # vertices become one across seams of textures, too
+    return replace(
+        mesh, vertices=vertices, normals=normals, triangles=split, patches=None, textures=None
+    )
 
 
 def _smooth_edges(mesh: Mesh, adjacency: Adjacency, least_cosine: float) -> npt.NDArray[np.int64]:

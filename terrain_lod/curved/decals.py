@@ -16,13 +16,11 @@ from ..camera import Point
 from ..device import Device, DeviceArray
 from ..errors import InputError
 from ..mesh import Mesh
-from ..tessellator import tessellate_device
-from .adjacency import Adjacency
-from .displaced import checked_map, plane_patches
-from .displaced_normals import corner_kinds, renew_normals_on_device
+from ..pattern import DevicePattern
+from .displaced import checked_map, moved_mesh
 from .patch_factors import checked_factor
-from .pn import DevicePatchMesh, evaluate_on_device, nets_on_device
-from .smooth import require_curvable, unit_normals
+from .pn import DevicePatchMesh
+from .smooth import PatchedMesh, require_curvable
 
 _GROUP: Final = 64
 _RUN: Final = 32  # points that a CPU asks together which decals are near
@@ -171,31 +169,16 @@ def dent(
     one_of("partitioning", partitioning, layout.PARTITIONINGS)
     checked_factor("factor", factor), checked_factor("elsewhere", elsewhere)
     raster = checked_map(depths)
-    adjacency = Adjacency.of(mesh)
+    records = np.array([decal.record(mesh.origin) for decal in decals], layout.DECAL)
     device = device or Device.open()
     with device.timed() as timeline:
-        unit = unit_normals(mesh.normals)
-        patches = DevicePatchMesh.upload(mesh.vertices, unit, adjacency, device)
-        nets = nets_on_device(patches if curved else plane_patches(patches, adjacency))
-        records = np.array([decal.record(mesh.origin) for decal in decals], layout.DECAL)
-        factors = reach_on_device(patches, nets, records, factor, elsewhere)
-        pattern = tessellate_device(
-            "triangle", factors.edge, factors.inside, partitioning, clockwise=True
-        )
-        vertices = evaluate_on_device(nets, pattern)
-        dent_on_device(vertices.positions, records, raster)
-        renew_normals_on_device(
-            patches, corner_kinds(mesh.vertices, unit, adjacency), factors, partitioning,
-            pattern, vertices.positions, vertices.normals,
-        )  # fmt: skip
-        return Mesh(
-            vertices.positions.host(),
-            vertices.normals.host(),
-            pattern.primitives.host(),
-            mesh.origin,
-            mesh.crs,
-            timings=timeline.seconds,
-        )
+        base = PatchedMesh.upload(mesh, device, plane=not curved)
+        factors = reach_on_device(base.patches, base.nets, records, factor, elsewhere)
+
+        def move(_: DevicePattern, positions: DeviceArray) -> None:
+            dent_on_device(positions, records, raster)
+
+        return moved_mesh(base, factors, partitioning, move, timeline)
 
 
 def reach_on_device(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable
 from typing import Final
 
 import numpy as np
@@ -10,18 +10,27 @@ import numpy.typing as npt
 
 from .. import layout
 from ..arguments import finite, one_of, positive
+from ..buffers import DeviceFactors
 from ..camera import Camera
 from ..device import Device, DeviceArray
 from ..errors import InputError
 from ..measure.open_edges import weld
 from ..mesh import Mesh
+from ..opencl.timeline import Timeline
 from ..pattern import DevicePattern
 from ..tessellator import tessellate_device
 from .adjacency import EDGE_ENDS, Adjacency
 from .displaced_normals import corner_kinds, renew_normals_on_device
 from .patch_factors import EdgeFactor, checked_factor
-from .pn import DevicePatchMesh, evaluate_on_device, nets_on_device, patch_factors_on_device
-from .smooth import diagonal_of, edge_factors, require_curvable, unit_normals
+from .pn import evaluate_on_device, patch_factors_on_device
+from .smooth import (
+    PatchedMesh,
+    diagonal_of,
+    edge_factors,
+    from_device,
+    require_curvable,
+    view_for,
+)
 
 _RUNS: Final = 1024  # work-groups on a CPU, each with a run of patches
 # segments along an edge of the lattice that a map's variation is measured on
@@ -35,7 +44,7 @@ Array = npt.NDArray[np.float64]
 def displace(
     mesh: Mesh,
     heights: npt.ArrayLike,
-    textures: npt.ArrayLike,
+    textures: npt.ArrayLike | None = None,
     factor: float | npt.ArrayLike | None = None,
     *,
     scale: float = 1.0,
@@ -54,9 +63,9 @@ def displace(
     heights : (R, C) array_like
         The map; bilinear between its samples, which stand in the middles of its cells, and repeated
         without end.
-    textures : (V, 2) array_like
+    textures : (V, 2) array_like, optional
         Texture coordinates of the mesh's vertices: u to the right, v up, (0, 0) the lower left
-        corner of the map, whose last row is the lowest.
+        corner of the map, whose last row is the lowest. Defaults to the mesh's own.
     factor : float or (T, 3) array_like, optional
         Segments along the edges, as for :func:`terrain_lod.pn_triangles`;
         :func:`variation_factors` finds those that the map needs. Defaults to 5.
@@ -93,48 +102,46 @@ def displace(
     require_curvable(mesh)
     one_of("partitioning", partitioning, layout.PARTITIONINGS)
     finite("scale", scale), finite("bias", bias)
-    if lod is not None and factor is not None:
-        raise InputError(f"expected a factor or a lod, got both {factor!r} and {lod}")
-    if lod is not None and lod.needs_camera and camera is None:
-        raise InputError(f"{type(lod).__name__} needs a camera, got none")
     raster, coordinates = checked_map(heights), _checked_textures(textures, mesh)
-    adjacency = Adjacency.of(mesh)
+    view = view_for(mesh, factor, lod, camera)
     device = device or Device.open()
-    view = np.zeros((), layout.VIEW) if camera is None else camera.view(mesh.origin)
     with device.timed() as timeline:
-        normals = unit_normals(mesh.normals)
-        patches = DevicePatchMesh.upload(mesh.vertices, normals, adjacency, device)
-        nets = nets_on_device(patches if curved else plane_patches(patches, adjacency))
-        of_edges = edge_factors(patches, adjacency, factor, lod, diagonal_of(mesh), view)
+        base = PatchedMesh.upload(mesh, device, plane=not curved)
+        of_edges = edge_factors(base.patches, base.adjacency, factor, lod, diagonal_of(mesh), view)
         factors = patch_factors_on_device(
-            patches, nets, of_edges, view, cull=False, back_cosine=None
+            base.patches, base.nets, of_edges, view, cull=False, back_cosine=None
         )
-        pattern = tessellate_device(
-            "triangle", factors.edge, factors.inside, partitioning, clockwise=True
-        )
-        vertices = evaluate_on_device(nets, pattern)
-        displace_on_device(
-            patches, adjacency, shared_normals(mesh.vertices, normals), raster, coordinates,
-            pattern, vertices.positions, scale=scale, bias=bias,
-        )  # fmt: skip
-        renew_normals_on_device(
-            patches, corner_kinds(mesh.vertices, normals, adjacency), factors, partitioning,
-            pattern, vertices.positions, vertices.normals,
-        )  # fmt: skip
-        return Mesh(
-            vertices.positions.host(),
-            vertices.normals.host(),
-            pattern.primitives.host(),
-            mesh.origin,
-            mesh.crs,
-            timings=timeline.seconds,
-        )
+
+        def move(pattern: DevicePattern, positions: DeviceArray) -> None:
+            displace_on_device(
+                base, raster, coordinates, pattern, positions, scale=scale, bias=bias
+            )
+
+        return moved_mesh(base, factors, partitioning, move, timeline)
+
+
+def moved_mesh(
+    base: PatchedMesh,
+    factors: DeviceFactors,
+    partitioning: str,
+    move: Callable[[DevicePattern, DeviceArray], None],
+    timeline: Timeline,
+) -> Mesh:
+    """Tessellate patches, `move` the (N, 3) positions of the points, and take normals from them."""
+    pattern = tessellate_device(
+        "triangle", factors.edge, factors.inside, partitioning, clockwise=True
+    )
+    vertices = evaluate_on_device(base.nets, pattern)
+    move(pattern, vertices.positions)
+    kinds = corner_kinds(base.mesh.vertices, base.mesh.normals, base.adjacency)
+    renew_normals_on_device(
+        base.patches, kinds, factors, partitioning, pattern, vertices.positions, vertices.normals
+    )
+    return from_device(base.mesh, pattern, vertices, timeline)
 
 
 def displace_on_device(
-    mesh: DevicePatchMesh,
-    adjacency: Adjacency,
-    shared: npt.NDArray[np.float32],
+    base: PatchedMesh,
     heights: npt.NDArray[np.float32],
     textures: npt.NDArray[np.float32],
     pattern: DevicePattern,
@@ -143,15 +150,17 @@ def displace_on_device(
     scale: float,
     bias: float,
 ) -> None:
-    """Move the (N, 3) `positions` of a pattern's points; `shared` are :func:`shared_normals`."""
-    device, group = mesh.device, mesh.device.group_size(32)
+    """Move the (N, 3) `positions` of a pattern's points by a map of heights."""
+    mesh, device = base.patches, base.patches.device
+    group = device.group_size(32)
+    shared = shared_normals(base.mesh.vertices, base.mesh.normals)
     groups = mesh.count if device.is_gpu else min(mesh.count, _RUNS)
     device.kernel("displaced.cl", "displaced", GROUP=group)(
         (groups * group,),
         (group,),
         patch_count=mesh.count,
         patches=mesh.patches,
-        dominant=device.array(dominant_edges(adjacency)),
+        dominant=device.array(dominant_edges(base.adjacency)),
         normals=mesh.normals,
         shared=device.array(shared),
         textures=device.array(textures),
@@ -206,7 +215,7 @@ def shared_normals(
 def variation_factors(
     mesh: Mesh,
     heights: npt.ArrayLike,
-    textures: npt.ArrayLike,
+    textures: npt.ArrayLike | None = None,
     *,
     scale: float = 1.0,
     tolerance: float,
@@ -271,13 +280,6 @@ def map_heights(heights: npt.NDArray[np.float32], textures: Array) -> Array:
     return found
 
 
-def plane_patches(patches: DevicePatchMesh, adjacency: Adjacency) -> DevicePatchMesh:
-    """Return patches without neighbours to bend their edges with: they stay plane."""
-    straight = adjacency.patches.copy()
-    straight[:, layout.PATCH_ADJACENT : layout.PATCH_DOMINANT] = -1
-    return replace(patches, patches=patches.device.array(straight))
-
-
 def checked_map(heights: npt.ArrayLike) -> npt.NDArray[np.float32]:
     """Return a map as (R, C) float32, or say what it should be."""
     raster = np.ascontiguousarray(heights, np.float32)
@@ -286,7 +288,12 @@ def checked_map(heights: npt.ArrayLike) -> npt.NDArray[np.float32]:
     return raster
 
 
-def _checked_textures(textures: npt.ArrayLike, mesh: Mesh) -> npt.NDArray[np.float32]:
+def _checked_textures(textures: npt.ArrayLike | None, mesh: Mesh) -> npt.NDArray[np.float32]:
+    """Return texture coordinates, given or the mesh's own, or say what they should be."""
+    if textures is None:
+        if mesh.textures is None:
+            raise InputError("expected texture coordinates, got none, and the mesh has none either")
+        textures = mesh.textures
     coordinates = np.ascontiguousarray(textures, np.float32)
     if coordinates.shape != (len(mesh.vertices), 2) or not np.isfinite(coordinates).all():
         raise InputError(

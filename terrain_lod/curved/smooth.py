@@ -10,6 +10,7 @@ Data stays on the device between the stages and comes down once, as a Mesh.
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
@@ -17,13 +18,14 @@ import numpy.typing as npt
 
 from .. import layout
 from ..arguments import finite, one_of
-from ..buffers import DeviceFactors
+from ..buffers import DeviceFactors, DeviceVertices
 from ..camera import Camera
 from ..device import Device, DeviceArray
 from ..errors import InputError
 from ..measure.soundness import require_sound
 from ..mesh import Mesh
 from ..opencl.timeline import Timeline
+from ..pattern import DevicePattern
 from ..tessellator import tessellate_device
 from .adjacency import Adjacency
 from .creases import split_at_creases
@@ -120,33 +122,96 @@ def pn_triangles(
     require_curvable(mesh)
     one_of("normals", normals, NORMALS)
     one_of("partitioning", partitioning, (*layout.PARTITIONINGS, SEMI_UNIFORM))
+    back_cosine = _back_cosine(back_faces, camera)
+    view = view_for(mesh, factor, lod, camera)
+    device = device or Device.open()
+    with device.timed() as timeline:
+        base = PatchedMesh.upload(mesh, device, sharp=sharp)
+        of_edges = edge_factors(base.patches, base.adjacency, factor, lod, diagonal_of(mesh), view)
+        factors = patch_factors_on_device(
+            base.patches,
+            base.nets,
+            of_edges,
+            view,
+            cull=cull and camera is not None,
+            back_cosine=back_cosine,
+        )
+        return tessellate_nets(
+            mesh, base.nets, factors, partitioning, normals == "linear", timeline
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class PatchedMesh:
+    """A mesh as curved patches on the device.
+
+    Attributes
+    ----------
+    mesh : Mesh
+        With unit normals, and split where it is to be sharp.
+    adjacency : Adjacency
+    patches : DevicePatchMesh
+    nets : DeviceArray, (T, 16, 3) float32
+        Their control nets.
+    """
+
+    mesh: Mesh
+    adjacency: Adjacency
+    patches: DevicePatchMesh
+    nets: DeviceArray
+
+    @classmethod
+    def upload(
+        cls, mesh: Mesh, device: Device, *, sharp: bool | float = True, plane: bool = False
+    ) -> PatchedMesh:
+        """Make patches of a mesh that can be curved.
+
+        Parameters
+        ----------
+        mesh : Mesh
+        device : Device
+        sharp : bool or float, optional
+            As for :func:`pn_triangles`.
+        plane : bool, optional
+            Keep the triangles plane.
+        """
+        # True is a number, too
+        if not isinstance(sharp, bool):
+            mesh = split_at_creases(mesh, finite("sharp", sharp))
+        mesh = replace(mesh, normals=unit_normals(mesh.normals))
+        adjacency = Adjacency.of(mesh)
+        if sharp is False:
+            adjacency = adjacency.without_neighbours()
+        patches = DevicePatchMesh.upload(mesh.vertices, mesh.normals, adjacency, device)
+        nets = nets_on_device(plane_patches(patches, adjacency) if plane else patches)
+        return cls(mesh, adjacency, patches, nets)
+
+
+def plane_patches(patches: DevicePatchMesh, adjacency: Adjacency) -> DevicePatchMesh:
+    """Return patches without neighbours to bend their edges with: they stay plane."""
+    straight = adjacency.patches.copy()
+    straight[:, layout.PATCH_ADJACENT : layout.PATCH_DOMINANT] = -1
+    return replace(patches, patches=patches.device.array(straight))
+
+
+def view_for(
+    mesh: Mesh,
+    factor: float | npt.ArrayLike | None,
+    lod: EdgeFactor | None,
+    camera: Camera | None,
+) -> npt.NDArray[Any]:
+    """Return the ``layout.VIEW`` record that factors are found with, zero without a camera.
+
+    Raises
+    ------
+    InputError
+        If there are both a factor and a formula, or a formula lacks the camera that it needs.
+    """
     if lod is not None and factor is not None:
         raise InputError(f"expected a factor or a lod, got both {factor!r} and {lod}")
     if lod is not None and lod.needs_camera and camera is None:
         raise InputError(f"{type(lod).__name__} needs a camera, got none")
-    # True is a number, too
-    crease = None if isinstance(sharp, bool) else finite("sharp", sharp)
-    source = mesh if crease is None else split_at_creases(mesh, crease)
-    adjacency = Adjacency.of(source)
-    if sharp is False:
-        adjacency = adjacency.without_neighbours()
-    device = device or Device.open()
-    view = np.zeros((), layout.VIEW) if camera is None else camera.view(mesh.origin)
-    with device.timed() as timeline:
-        patches = DevicePatchMesh.upload(
-            source.vertices, unit_normals(source.normals), adjacency, device
-        )
-        nets = nets_on_device(patches)
-        of_edges = edge_factors(patches, adjacency, factor, lod, diagonal_of(mesh), view)
-        factors = patch_factors_on_device(
-            patches,
-            nets,
-            of_edges,
-            view,
-            cull=cull and camera is not None,
-            back_cosine=_back_cosine(back_faces, camera),
-        )
-        return tessellate_nets(mesh, nets, factors, partitioning, normals == "linear", timeline)
+    return np.zeros((), layout.VIEW) if camera is None else camera.view(mesh.origin)
 
 
 def tessellate_nets(
@@ -170,7 +235,14 @@ def tessellate_nets(
             "triangle", factors.edge, factors.inside, partitioning, clockwise=True
         )
         vertices = evaluate_on_device(nets, pattern, linear_normals=linear_normals)
-    return CurvedMesh(
+    return from_device(mesh, pattern, vertices, timeline)
+
+
+def from_device(
+    mesh: Mesh, pattern: DevicePattern, vertices: DeviceVertices, timeline: Timeline
+) -> CurvedMesh:
+    """Return what the triangles of `mesh` were tessellated to, with its texture coordinates."""
+    made = CurvedMesh(
         vertices=vertices.positions.host(),
         normals=vertices.normals.host(),
         triangles=pattern.primitives.host(),
@@ -181,6 +253,9 @@ def tessellate_nets(
         points=pattern.points.host(),
         point_offsets=pattern.point_offsets.host().astype(np.int64),
     )
+    if mesh.textures is None:
+        return made
+    return replace(made, textures=made.interpolate(mesh.textures))
 
 
 def edge_factors(

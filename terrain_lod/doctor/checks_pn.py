@@ -31,6 +31,7 @@ from ..curved.pn import (
     patch_factors_on_device,
 )
 from ..curved.semi_uniform import semi_uniform_device
+from ..curved.smooth import PatchedMesh
 from ..device import Device
 from ..layout import DECAL, FIXED_ONE
 from ..mesh import Mesh
@@ -193,10 +194,9 @@ def check_displaced(device: Device) -> Check:
     textures = random.uniform(-1, 2, (len(case.vertices), 2)).astype(np.float32)
     shared = shared_normals(case.vertices, case.normals)
     positions = device.zeros((len(u), 3), np.float32)
-    displace_on_device(
-        case.upload(device), case.adjacency, shared, heights, textures, pattern, positions,
-        scale=0.5, bias=0.1,
-    )  # fmt: skip
+    mesh = Mesh(case.vertices, case.normals, case.triangles)
+    base = PatchedMesh(mesh, case.adjacency, case.upload(device), device.array(case.nets))
+    displace_on_device(base, heights, textures, pattern, positions, scale=0.5, bias=0.1)
     dominant, expected = dominant_edges(case.adjacency), np.empty((len(u), 3))
     surface = case.normals64, shared.astype(np.float64), textures.astype(np.float64)
     for i, (a, b) in enumerate(zip(u, v, strict=True)):

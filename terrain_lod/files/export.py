@@ -98,7 +98,8 @@ def to_pyvista(mesh: Mesh, ground: Heightmap | None = None) -> pyvista.PolyData:
     -------
     pyvista.PolyData
         Points relative to the origin; add ``field_data["origin"]`` for world coordinates. Point
-        data: ``Normals``. Field data: ``origin`` (3,) float64, ``crs``. A terrain's cell data:
+        data: ``Normals``, and texture coordinates where the mesh has them. Field data: ``origin``
+        (3,) float64, ``crs``. A terrain's cell data:
         ``patch`` int32, the patch's row-major number; ``factor`` float32, its larger inside
         factor; ``level`` int8, how often that doubles: 0 for 1, 1 for 2, 3 for 8; ``deviation``
         float32, that of its tile from the plane; with `ground`, ``error`` float32, the largest
@@ -108,6 +109,8 @@ def to_pyvista(mesh: Mesh, ground: Heightmap | None = None) -> pyvista.PolyData:
 
     surface = pyvista.PolyData.from_regular_faces(mesh.vertices, mesh.triangles)
     surface.point_data.active_normals = mesh.normals
+    if mesh.textures is not None:
+        surface.point_data.active_texture_coordinates = mesh.textures
     surface.field_data["origin"] = np.asarray(mesh.origin, np.float64)
     if mesh.crs:
         surface.field_data["crs"] = mesh.crs
@@ -143,7 +146,8 @@ def _write_obj(mesh: Mesh, path: Path) -> None:
     from vtkmodules.vtkIOGeometry import vtkOBJWriter
 
     _write_with(vtkOBJWriter(), mesh, path)
-    corners = " ".join(f"{corner}//{corner}" for corner in mesh.triangles[-1] + 1)
+    middle = "//{0}" if mesh.textures is None else "/{0}/{0}"
+    corners = " ".join(f"{{0}}{middle}".format(corner) for corner in mesh.triangles[-1] + 1)
     _require_ending(path, f"f {corners}\n".encode())
     with path.open("a", encoding="utf-8") as file:
         file.write(f"# {_origin_note(mesh)}\n")

@@ -5,11 +5,12 @@
     header      "glTF", 2, bytes in all
     JSON chunk  node (rotation, translation, extras) -> mesh -> accessors -> views of the buffer
     BIN chunk   positions (V, 3) float32 | normals (V, 3) float32 | corners (T, 3) uint32
+                | texture coordinates (V, 2) float32, where there are any
 
 glTF is y-up: its viewers want x right, y up, z towards the eye. The vertices stay as they are, z up
 and relative to the mesh's origin; the node turns them by -90 degrees about x and carries the
 origin, turned alike: world (x, y, z) stands at (x, z, -y). Its ``extras`` say the exact origin, the
-axes and the CRS.
+axes and the CRS. Texture coordinates have v down there, and up here.
 
 Khronos Group: *glTF 2.0 Specification*, 2021; section 4.4 for the container.
 """
@@ -36,6 +37,8 @@ _LARGEST: Final = 2**32 - 1
 # numbers of the specification
 _FLOAT, _UNSIGNED_INT = 5126, 5125
 _VERTEX_DATA, _INDEX_DATA = 34962, 34963
+# dtype and width of each view
+_VIEWS: Final = (("<f4", 3), ("<f4", 3), ("<i4", 3), ("<f4", 2))
 # -90 degrees about x, as a quaternion x, y, z, w
 _Z_UP_TO_Y_UP: Final = [-(0.5**0.5), 0.0, 0.0, 0.5**0.5]
 
@@ -53,6 +56,8 @@ def write_glb(mesh: Mesh, path: Path) -> None:
         np.ascontiguousarray(_unit(mesh.normals), "<f4"),
         np.ascontiguousarray(mesh.triangles, "<u4"),
     ]
+    if mesh.textures is not None:
+        views.append(np.ascontiguousarray(textures_upside_down(mesh.textures), "<f4"))
     text = json.dumps(_document(mesh, views), separators=(",", ":"), allow_nan=False).encode()
     text += b" " * (-len(text) % 4)
     size = sum(view.nbytes for view in views)
@@ -68,6 +73,12 @@ def write_glb(mesh: Mesh, path: Path) -> None:
         file.write(_CHUNK.pack(size, b"BIN\0"))
         for view in views:
             file.write(view.data)
+
+
+def textures_upside_down(textures: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+    """Return texture coordinates with v counted from the other end."""
+    u, v = textures.T
+    return np.stack([u, 1 - v], axis=1)
 
 
 def _unit(normals: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
@@ -95,7 +106,10 @@ def _document(mesh: Mesh, views: list[npt.NDArray[Any]]) -> dict[str, Any]:
         "translation": [x, z, 0.0 - y],
         "extras": extras,
     }
-    primitive = {"attributes": {"POSITION": 0, "NORMAL": 1}, "indices": 2, "material": 0}
+    attributes = {"POSITION": 0, "NORMAL": 1}
+    if mesh.textures is not None:
+        attributes["TEXCOORD_0"] = 3
+    primitive = {"attributes": attributes, "indices": 2, "material": 0}
     matt = {"baseColorFactor": [0.8, 0.8, 0.8, 1.0], "metallicFactor": 0.0, "roughnessFactor": 1.0}
     return {
         "asset": {"version": "2.0", "generator": _GENERATOR},
@@ -111,7 +125,10 @@ def _document(mesh: Mesh, views: list[npt.NDArray[Any]]) -> dict[str, Any]:
 
 
 def _accessors(
-    positions: npt.NDArray[Any], normals: npt.NDArray[Any], corners: npt.NDArray[Any]
+    positions: npt.NDArray[Any],
+    normals: npt.NDArray[Any],
+    corners: npt.NDArray[Any],
+    *textures: npt.NDArray[Any],
 ) -> list[dict[str, Any]]:
     bounds = {"min": positions.min(axis=0).tolist(), "max": positions.max(axis=0).tolist()}
     vectors = {"componentType": _FLOAT, "type": "VEC3"}
@@ -124,11 +141,15 @@ def _accessors(
             "componentType": _UNSIGNED_INT,
             "type": "SCALAR",
         },
+        *(
+            {"bufferView": 3, "count": len(pairs), "componentType": _FLOAT, "type": "VEC2"}
+            for pairs in textures
+        ),
     ]
 
 
 def _buffer_views(views: list[npt.NDArray[Any]]) -> list[dict[str, int]]:
-    targets = (_VERTEX_DATA, _VERTEX_DATA, _INDEX_DATA)
+    targets = (_VERTEX_DATA, _VERTEX_DATA, _INDEX_DATA, _VERTEX_DATA)
     offsets = np.cumsum([0, *(view.nbytes for view in views)]).tolist()
     return [
         {"buffer": 0, "byteOffset": offset, "byteLength": view.nbytes, "target": target}
@@ -172,10 +193,12 @@ def _read_chunk(file: BinaryIO, kind: bytes) -> bytes:
 
 
 def _mesh_of(document: dict[str, Any], buffer: bytes) -> Mesh:
-    views = document["bufferViews"]
-    vertices, normals, corners = (
-        np.frombuffer(buffer, dtype, view["byteLength"] // 4, view["byteOffset"]).reshape(-1, 3)
-        for view, dtype in zip(views, ("<f4", "<f4", "<i4"), strict=True)
+    vertices, normals, corners, *textures = (
+        np.frombuffer(buffer, dtype, view["byteLength"] // 4, view["byteOffset"]).reshape(-1, width)
+        for view, (dtype, width) in zip(document["bufferViews"], _VIEWS, strict=False)
     )
     extras = document["nodes"][0]["extras"]
-    return Mesh(vertices, normals, corners, np.array(extras["origin"]), extras.get("crs"))
+    return Mesh(
+        vertices, normals, corners, np.array(extras["origin"]), extras.get("crs"),
+        textures=textures_upside_down(textures[0]) if textures else None,
+    )  # fmt: skip

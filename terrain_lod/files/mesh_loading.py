@@ -1,4 +1,4 @@
-"""Meshes in: triangles from any surface file that pyvista reads."""
+"""Meshes in: triangles from any surface file that pyvista or meshio reads."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ from ..errors import FileError, InputError
 from ..measure.soundness import require_sound
 from ..mesh import Mesh
 from .export import ORIGIN_MARK
-from .glb import read_glb
+from .glb import read_glb, textures_upside_down
+from .mesh_formats import is_abaqus, read_with_meshio
 from .ply import require_whole_ply
 
 _log = logging.getLogger(__name__)
@@ -36,9 +37,11 @@ Vectors = npt.NDArray[np.floating[Any]]
 def load_mesh(path: str | Path) -> Mesh:
     """Read a mesh from a file: .glb, .gltf, .obj, .ply, .stl, .vtk, .vtp, .vtu and more.
 
+    With the extra ``meshes`` also what meshio reads: .msh, .inp, .mesh, .off, .nas and more.
     Polygons are cut into triangles, volumes reduced to their surface, lines and points dropped,
     missing normals computed as the mean of the faces around, weighted by area; each is logged.
-    An origin and CRS that :func:`~terrain_lod.files.export.save` recorded are restored.
+    Texture coordinates come along where each vertex has a pair. An origin and CRS that
+    :func:`~terrain_lod.files.export.save` recorded are restored.
     Coordinates far from zero in 64 bits get an origin of whole numbers near their middle, so that
     float32 loses the least. glTF of others is turned from y up to z up.
 
@@ -55,8 +58,10 @@ def load_mesh(path: str | Path) -> Mesh:
     FileError
         If there is no such file, or it is damaged or truncated.
     InputError
-        If pyvista has no reader for the ending, if there is no triangle in the file, if a position
-        is not finite or a corner is no vertex.
+        If there is no reader for the ending, if there is no triangle in the file, if a position is
+        not finite or a corner is no vertex.
+    MissingExtraError
+        If only meshio might read the ending, and is not installed.
     """
     path = Path(path)
     if not path.is_file():
@@ -74,13 +79,18 @@ def load_mesh(path: str | Path) -> Mesh:
         raise InputError(f"expected triangles in {path}, got none")
     require_sound(points, triangles, f"a mesh in {path.name}")
     normals = _normals_of(surface, points, triangles, path)
+    textures = _textures_of(surface)
     if suffix in (".glb", ".gltf"):
         points, normals = _to_z_up(points), _to_z_up(normals)
+        textures = None if textures is None else textures_upside_down(textures)
     origin, crs = _recorded_origin(surface, path)
     if origin is None:
         origin = _origin_near(points)
         points = points - origin
-    return Mesh(points.astype(np.float32), normals.astype(np.float32), triangles, origin, crs)
+    return Mesh(
+        points.astype(np.float32), normals.astype(np.float32), triangles, origin, crs,
+        textures=textures,
+    )  # fmt: skip
 
 
 @contextmanager
@@ -106,14 +116,13 @@ def _read(path: Path) -> Any:
     """Return the pyvista object in a file."""
     import pyvista
 
+    if is_abaqus(path):
+        return read_with_meshio(path)
     with _vtk_complaints() as complaints:
         try:
             reader = pyvista.get_reader(path)
         except ValueError:
-            raise InputError(
-                f"unknown mesh format {path.suffix!r}: expected .glb, .obj, .ply, .stl, .vtp or "
-                f"another that pyvista reads, got {path.name}"
-            ) from None
+            return read_with_meshio(path)
         # not reader.read(): it prints the complaints
         reader.reader.Update()
         data = pyvista.wrap(reader.reader.GetOutputDataObject(0))
@@ -158,6 +167,16 @@ def _normals_of(
             return np.asarray(own / lengths[:, None])
     _log.info("%s: normals computed from the triangles", path)
     return vertex_normals(points, triangles)
+
+
+def _textures_of(surface: Any) -> npt.NDArray[np.float32] | None:
+    """Return the texture coordinates of a file where they are usable."""
+    own = surface.point_data.active_texture_coordinates
+    if own is None:
+        own = surface.point_data.get("TEXCOORD_0")
+    if own is None or own.shape != (surface.n_points, 2) or not np.isfinite(own).all():
+        return None
+    return np.array(own, np.float32)
 
 
 def vertex_normals(points: Vectors, triangles: npt.NDArray[np.int32]) -> npt.NDArray[np.float64]:
