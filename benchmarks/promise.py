@@ -33,8 +33,10 @@ TILES = (7, 15, 31, 63)
 DELATIN = next(peer for peer in PEERS if peer.name == "pydelatin")
 
 
-def fractal(samples: int, roughness: float = 0.9, relief: float = 2500.0) -> tl.Heightmap:
+def fractal(samples: int, roughness: float = 0.9) -> tl.Heightmap:
     """Return seeded rugged ground, 30 m a sample: its spectrum falls as wavelength^(1 + roughness).
+
+    2,500 m of relief where there are 512 samples; a larger one is as rugged and goes on rising.
 
     Saupe: *Algorithms for random fractals*, in The Science of Fractal Images, 1988.
     """
@@ -44,6 +46,7 @@ def fractal(samples: int, roughness: float = 0.9, relief: float = 2500.0) -> tl.
     noise = np.fft.rfft2(rng.normal(size=(samples, samples)))
     heights = np.fft.irfft2(noise * frequency ** -(1 + roughness), s=(samples, samples))
     low, high = heights.min(), heights.max()
+    relief = 2500.0 * (samples / 512) ** roughness
     scaled = (heights - low) * (relief / (high - low))
     return tl.Heightmap(scaled, spacing=30.0, name=f"fractal {roughness:g}")
 
