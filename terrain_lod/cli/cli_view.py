@@ -131,6 +131,7 @@ def _scene(name: str, reading: GroundOptions, terrain: TerrainOptions) -> Scene:
         log("%r", scene.ground)
         return scene
     given = [option for option, value in vars(reading).items() if value is not None]
+    given += [] if terrain.tile == TerrainOptions.tile else ["tile"]
     if given:
         option = "--" + given[0].replace("_", "-")
         raise InputError(f"expected a raster with {option}, got {name}")

@@ -3,10 +3,14 @@
 Input only changes what is wanted; :meth:`Window.pump`, called some sixty times a second, shows the
 newest frame and draws. Meshes are made on the engine's thread, so neither input nor drawing waits
 for one.
+
+While a window is open, Python's collector of cycles runs here alone: it would end objects of VTK's on
+the engine's thread, and VTK waits for itself then.
 """
 
 from __future__ import annotations
 
+import gc
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
@@ -60,7 +64,9 @@ class Window:
     """
 
     def __init__(self, model: Model, camera: Camera, *, off_screen: bool = False) -> None:
+        self._collected = gc.isenabled()
         self.stage = Stage(camera.size, off_screen)
+        gc.disable()
         self.plotter = self.stage.plotter
         self.model, self.engine = model, Engine(model)
         self.settings: Settings = model.scene.settings
@@ -146,13 +152,14 @@ class Window:
         return True
 
     def _listen(self) -> None:
-        """Note what goes wrong or takes long, and once a second what became of the file."""
+        """Note what goes wrong or takes long; once a second tidy up, and look at the file."""
         news = self.engine.problem if self.engine.problem != self._problem else None
         self._problem = self.engine.problem
         late = self.engine.working and perf_counter() - self._asked_at > _LONG
         self._dirty, self._late = self._dirty or late != self._late, late
         if perf_counter() - self._looked > _LOOK_AFTER:
             self._looked = perf_counter()
+            gc.collect(1)
             news = news or self.model.news()
         if news is not None:
             self.note, self._dirty = news, True
@@ -162,7 +169,9 @@ class Window:
         self._dirty, self._waiting = False, None
         begun = perf_counter()
         self.stage.write("\n".join(self.lines()) if self.texts_shown else "", self.note)
-        self.stage.draw(self.camera)
+        scene = self.model.scene if self.frame is None else self.frame.scene
+        fronts_alone = self._frozen is None and scene.shows_fronts_alone(self.rig.eye)
+        self.stage.draw(self.camera, fronts_alone=fronts_alone)
         self.draw_seconds = perf_counter() - begun
 
     def settle(self, seconds: float = 60.0, *, measured: bool = False) -> Frame:
@@ -226,6 +235,9 @@ class Window:
         """End the engine and the window."""
         self.engine.close()
         self.plotter.close()
+        if self._collected:
+            gc.enable()
+        gc.collect()
 
     def _show(self, frame: Frame) -> None:
         self.frame, self._dirty = frame, True
