@@ -4,8 +4,8 @@ Input only changes what is wanted; :meth:`Window.pump`, called some sixty times 
 newest frame and draws. Meshes are made on the engine's thread, so neither input nor drawing waits
 for one.
 
-While a window is open, Python's collector of cycles runs here alone: it would end objects of VTK's on
-the engine's thread, and VTK waits for itself then.
+While a window is open, Python's collector of cycles runs here alone: on the engine's thread it
+would end objects of VTK's, and VTK would wait for itself.
 """
 
 from __future__ import annotations
