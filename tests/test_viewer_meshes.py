@@ -273,6 +273,7 @@ def test_command_opens_meshes_and_patches(capsys, tmp_path):
         (["--lod", "budget"], "expected one of uniform, distance"),
         (["--spacing", "3"], "expected a raster with --spacing"),
         (["--tile", "7"], "expected a raster with --tile"),
+        (["--factor", "99"], "expected factor in its range, got 99: nearest is 64"),
     ],
 )
 def test_what_is_no_matter_of_meshes_is_one_line(capsys, tmp_path, options, message):

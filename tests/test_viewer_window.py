@@ -168,6 +168,8 @@ def test_flying_looks_around_and_moves_along_the_view(controls):
         press(controls, "w")  # into the ground, and out at the other side
     assert window.rig.eye[2] > window.model.scene.ground.height_range[0]
     assert math.dist(window.rig.eye, window.model.scene.centre) < 1e5
+    window.drive(window.rig.fly(1e9))
+    assert window.note == "the camera stays above the ground and near it"
 
 
 @pytest.mark.parametrize(

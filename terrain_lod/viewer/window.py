@@ -11,6 +11,7 @@ would end objects of VTK's, and VTK would wait for itself.
 from __future__ import annotations
 
 import gc
+import math
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
@@ -30,6 +31,7 @@ from .viewer_camera import Rig
 _PATIENCE: Final = 0.1  # seconds
 _LOOK_AFTER: Final = 1.0  # seconds between looks at the model's file
 _LONG: Final = 0.5  # seconds after which a mesh that is not there is worth a word
+_UNNOTED: Final = 1e-3  # how far the camera is moved without a word, in diagonals
 _FRUSTUM: Final = 0.35  # how deep it is drawn, in diagonals
 
 
@@ -70,9 +72,9 @@ class Window:
         self.plotter = self.stage.plotter
         self.model, self.engine = model, Engine(model)
         self.settings: Settings = model.scene.settings
-        self.home = self.rig = Rig.of(camera).within(model.scene)
         self.frame: Frame | None = None
         self.note = ""
+        self.home = self.rig = self._held(Rig.of(camera))
         self.draw_seconds = 0.0
         self.texts_shown = True
         self._scene = model.scene
@@ -99,10 +101,19 @@ class Window:
 
     def drive(self, rig: Rig) -> None:
         """Move the camera, as far as the ground lets it, and want the mesh for it."""
-        self.rig = rig.within(self.model.scene)
+        self.rig = self._held(rig)
         self._dirty = True
         if self._frozen is None:
             self.ask()
+
+    def _held(self, rig: Rig) -> Rig:
+        """Return the rig kept where there is something to see; note it if that is elsewhere."""
+        scene = self.model.scene
+        held = rig.within(scene)
+        moved = math.dist(replace(rig, pitch=held.pitch).eye, held.eye)
+        if not moved < _UNNOTED * scene.diagonal:
+            self.note = "the camera stays above the ground and near it"
+        return held
 
     def change(self, name: str, value: Any) -> None:
         """Change a setting; see :meth:`Settings.changed`."""
