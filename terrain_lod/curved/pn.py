@@ -251,13 +251,29 @@ def levels_on_device(factors: DeviceArray, maximum: int) -> DeviceArray:
     return levels
 
 
+def turns_on_device(nets: DeviceArray) -> DeviceArray:
+    """Return where semi-uniform patterns put the middles of edges of level 0.
+
+    Returns
+    -------
+    DeviceArray, (T,) int32
+        For :func:`terrain_lod.curved.semi_uniform.semi_uniform_device`; both sides of an edge
+        agree.
+    """
+    device, patches = nets.device, nets.shape[0]
+    turns = device.empty(patches, np.int32)
+    kernel = device.kernel("pn_blend.cl", "pn_turns", GROUP=1, LANES=1, LINEAR_NORMALS=0)
+    kernel((patches,), (_GROUP,), patches=patches, nets=nets, turns=turns)
+    return turns
+
+
 def blend_on_device(
     nets: DeviceArray, levels: DeviceArray, pattern: DevicePattern, *, linear_normals: bool = False
 ) -> DeviceVertices:
     """Put every point of a semi-uniform `pattern` on its patch, or on its way there.
 
-    Points that a level has and the next lower one has not, grow out of that one's segments by the
-    fraction of the level, see ``kernels/pn_blend.cl``.
+    Points that a level has and the next lower one has not, come out of that one by the fraction of
+    the level, see ``kernels/pn_blend.cl``.
 
     Parameters
     ----------
@@ -265,7 +281,7 @@ def blend_on_device(
     levels : DeviceArray, (T, 3) float32
         Those that the pattern was made for.
     pattern : DevicePattern
-        Of :func:`terrain_lod.curved.semi_uniform.semi_uniform_device`.
+        Of :func:`terrain_lod.curved.semi_uniform.semi_uniform_device`, with the turns of `nets`.
     linear_normals : bool, optional
         As for :func:`evaluate_on_device`.
 

@@ -39,6 +39,7 @@ from .pn import (
     levels_on_device,
     nets_on_device,
     patch_factors_on_device,
+    turns_on_device,
 )
 from .semi_uniform import semi_uniform_device
 
@@ -227,7 +228,11 @@ def tessellate_nets(
     if partitioning == SEMI_UNIFORM:
         levels = levels_on_device(factors.edge, _LARGEST_LEVEL)
         pattern = semi_uniform_device(
-            levels, maximum=_LARGEST_LEVEL, keep_degenerate=False, clockwise=True
+            levels,
+            maximum=_LARGEST_LEVEL,
+            keep_degenerate=False,
+            clockwise=True,
+            turns=turns_on_device(nets),
         )
         vertices = blend_on_device(nets, levels, pattern, linear_normals=linear_normals)
     else:
