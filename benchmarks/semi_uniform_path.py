@@ -25,8 +25,9 @@ from terrain_lod.curved.patch_factors import (
     LengthFactor,
     SilhouetteFactor,
 )
+from terrain_lod.curved.patched_mesh import PatchedMesh
 from terrain_lod.curved.pn import edge_factors_on_device
-from terrain_lod.curved.smooth import PatchedMesh, pn_triangles
+from terrain_lod.curved.smooth import pn_triangles
 
 FORMULAS: tuple[EdgeFactor, ...] = (
     DistanceFactor(near=2.0, far=9.0, maximum=8),

@@ -196,6 +196,19 @@ def evaluate_on_device(
     DeviceMemoryError
         If the device cannot hold the vertices.
     """
+    lanes = 1 if nets.device.is_gpu else _LANES
+    defines = {"LANES": lanes, "LINEAR_NORMALS": int(linear_normals)}
+    return _vertices("pn_domain", nets, pattern, defines)
+
+
+def _vertices(
+    stage: str,
+    nets: DeviceArray,
+    pattern: DevicePattern,
+    defines: dict[str, int],
+    **inputs: DeviceArray,
+) -> DeviceVertices:
+    """Run one of the kernels that make a vertex of every point."""
     device, count, patches = nets.device, pattern.points.shape[0], nets.shape[0]
     device.require(f"{count} vertices", count * 12, count * 12)
     vertices = DeviceVertices(
@@ -203,15 +216,7 @@ def evaluate_on_device(
     )
     group = device.group_size(32)
     groups = patches if device.is_gpu else min(patches, _RUNS)
-    lanes = 1 if device.is_gpu else _LANES
-    kernel = device.kernel(
-        "pn_domain.cl",
-        "pn_domain",
-        GROUP=group,
-        LANES=lanes,
-        LINEAR_NORMALS=int(linear_normals),
-    )
-    kernel(
+    device.kernel(f"{stage}.cl", stage, GROUP=group, **defines)(
         (groups * group,),
         (group,),
         patches=patches,
@@ -220,6 +225,7 @@ def evaluate_on_device(
         points=pattern.points,
         positions=vertices.positions,
         normals=vertices.normals,
+        **inputs,
     )
     return vertices
 
@@ -294,24 +300,5 @@ def blend_on_device(
     DeviceMemoryError
         If the device cannot hold the vertices.
     """
-    device, count, patches = nets.device, pattern.points.shape[0], nets.shape[0]
-    device.require(f"{count} vertices", count * 12, count * 12)
-    vertices = DeviceVertices(
-        device.empty((count, 3), np.float32), device.empty((count, 3), np.float32)
-    )
-    group = device.group_size(32)
-    groups = patches if device.is_gpu else min(patches, _RUNS)
-    device.kernel(
-        "pn_blend.cl", "pn_blend", GROUP=group, LANES=1, LINEAR_NORMALS=int(linear_normals)
-    )(
-        (groups * group,),
-        (group,),
-        patches=patches,
-        nets=nets,
-        levels=levels,
-        point_offsets=pattern.point_offsets,
-        points=pattern.points,
-        positions=vertices.positions,
-        normals=vertices.normals,
-    )
-    return vertices
+    defines = {"LANES": 1, "LINEAR_NORMALS": int(linear_normals)}
+    return _vertices("pn_blend", nets, pattern, defines, levels=levels)

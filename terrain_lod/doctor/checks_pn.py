@@ -21,6 +21,7 @@ from ..curved.patch_factors import (
     SilhouetteFactor,
     UniformFactor,
 )
+from ..curved.patched_mesh import PatchedMesh
 from ..curved.pn import (
     DevicePatchMesh,
     blend_on_device,
@@ -32,7 +33,6 @@ from ..curved.pn import (
     turns_on_device,
 )
 from ..curved.semi_uniform import semi_uniform_device
-from ..curved.smooth import PatchedMesh
 from ..device import Device
 from ..layout import DECAL, FIXED_ONE
 from ..mesh import Mesh

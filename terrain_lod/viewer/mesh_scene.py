@@ -11,8 +11,9 @@ import numpy.typing as npt
 from ..camera import Camera, Point
 from ..curved.bezier import bezier
 from ..curved.patch_factors import MAX_FACTOR
+from ..curved.patched_mesh import PatchedMesh, require_curvable
 from ..curved.pn import patch_factors_on_device
-from ..curved.smooth import PatchedMesh, edge_factors, require_curvable, tessellate_nets
+from ..curved.smooth import edge_factors, tessellate_nets
 from ..device import Device
 from ..errors import InputError
 from ..files.bpt import as_nets
