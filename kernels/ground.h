@@ -57,6 +57,13 @@ inline bool sample_has_data(const Ground ground, int row, int column)
 #endif
 }
 
+// Has a cell a surface: data at its four samples?
+inline bool cell_has_data(const Ground ground, int row, int column)
+{
+    return sample_has_data(ground, row, column) & sample_has_data(ground, row, column + 1)
+         & sample_has_data(ground, row + 1, column) & sample_has_data(ground, row + 1, column + 1);
+}
+
 // a sample's height; 0 where it has no data
 inline float sample_height(const Ground ground, int row, int column)
 {

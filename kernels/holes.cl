@@ -36,12 +36,6 @@ inline long side_of(const Triangle t, int i, int x, int y)
     return (long)(t.x[j] - t.x[i]) * (y - t.y[i]) - (long)(t.y[j] - t.y[i]) * (x - t.x[i]);
 }
 
-inline bool cell_has_data(const Ground ground, int row, int column)
-{
-    return sample_has_data(ground, row, column) & sample_has_data(ground, row, column + 1)
-         & sample_has_data(ground, row + 1, column) & sample_has_data(ground, row + 1, column + 1);
-}
-
 // Return true where some edge of the triangle has the whole cell on its outer side.
 inline bool apart(const Triangle t, long area, int column, int row)
 {

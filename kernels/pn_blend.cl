@@ -1,20 +1,23 @@
 // Curved PN-triangles on semi-uniform patterns whose levels lie between whole numbers.
 //
-// A level of n - 1 + f, with f above 0 and at most 1, has the points of level n. Those that level
-// n - 1 has not, grow out of the middles of its segments as f goes to 1:
+// A level of n - 1 + f, with f above 0 and at most 1, has the points of level n. At f = 0 the patch
+// is that of level n - 1, and nothing jumps as a camera moves:
 //
-//     point = (a + b) / 2 + f (surface - (a + b) / 2)        a, b its two neighbours of level n - 1
+//   along an edge, points that level n - 1 has not, slide along the curve, from the point of level
+//   n - 1 that they come from (dyadic_edge.h) to their own place:
 //
-//     level 1         level 1.5           level 2
-//        .           .-'o'-.             .-' o '-.         along an edge by the edge's own level, so
-//       / \         o       o           o         o        that both sides of it agree; inside by
-//      /   \       /         \         /           \       the patch's, the largest of its edges'
+//       level 1            level 1.5            level 2
+//       o-------o-------o  o-o-----o-----o-o    o---o---o---o---o
 //
-// so that a patch at f = 0 is the one of level n - 1, and nothing jumps as a camera moves, but for
-// the rim of patches beside an edge of a lower level: where that level passes a whole number, the
-// rim is cut into other triangles.
+//   by the edge's own level, so that both sides of it agree;
+//
+//   inside, they grow out of the middles of the segments of level n - 1, by the patch's level, the
+//   largest of its edges':
+//
+//       point = (a + b) / 2 + f (surface - (a + b) / 2)      a, b its two neighbours of level n - 1
 //
 // Built with: GROUP work-items a patch, LANES 1, LINEAR_NORMALS (0 or 1).
+#include "dyadic_edge.h"
 #include "pn_point.h"
 
 #if LANES != 1
@@ -32,6 +35,27 @@ typedef struct {
     float edges[3];             // levels of u = 0, v = 0, w = 0
     float inside;               // the largest of them
 } Patch;
+
+// Does the middle of an edge go to the start of the walk at level 0? To the lesser end, seen from
+// both sides. Edge k is walked from corner k + 1 to corner k + 2.
+inline bool is_turned(__global const float *net, int edge)
+{
+    const float3 from = vector_at(net, NET_CORNER + (edge + 1) % 3);
+    const float3 to = vector_at(net, NET_CORNER + (edge + 2) % 3);
+    return from.x != to.x ? from.x < to.x : from.y != to.y ? from.y < to.y : from.z < to.z;
+}
+
+// a bit an edge, for semi_uniform.cl; P patches
+__kernel void pn_turns(const int patches,
+                       __global const float *nets,          // (P, NET_VECTORS, 3)
+                       __global int *turns)                 // (P,)
+{
+    const int i = get_global_id(0);
+    if (i >= patches)
+        return;
+    __global const float *net = nets + (size_t)i * (3 * NET_VECTORS);
+    turns[i] = is_turned(net, 0) | is_turned(net, 1) << 1 | is_turned(net, 2) << 2;
+}
 
 // factors become levels; what is culled has a level below 0. N factors.
 __kernel void pn_levels(const int count, const float maximum,
@@ -76,29 +100,24 @@ inline int edge_of(uint2 at)
     return at.x == 0 ? 0 : at.y == 0 ? 1 : at.x + at.y == FIXED_ONE ? 2 : 3;
 }
 
-// a point of an edge's own level, `along` being the weight that grows along it
-inline Vertex on_edge(const Patch patch, int edge, uint2 at)
+// a place on an edge in 16.16, in the direction of the walk: u = 0 from v = 1, v = 0 from u = 0,
+// w = 0 from u = 1
+inline uint walked(int edge, uint2 at)
 {
-    const Vertex full = on_surface(patch, at.x, at.y);
-    const int level = whole_level(patch.edges[edge]);
-    const uint step = FIXED_ONE >> level, along = edge == 0 ? at.y : at.x;
-    if (along / step % 2 == 0)
-        return full;
-    // edge 0 runs along v, edge 1 along u, edge 2 along both in opposite directions
-    const uint2 next = edge == 0 ? (uint2)(0, step) : edge == 1 ? (uint2)(step, 0)
-                                                                : (uint2)(step, -step);
-    const uint2 before = at - next, after = at + next;
-    return grown(on_surface(patch, before.x, before.y), on_surface(patch, after.x, after.y), full,
-                 patch.edges[edge] - (level - 1));
+    return edge == 1 ? at.x : FIXED_ONE - (edge == 0 ? at.y : at.x);
 }
 
-// The snap function of semi_uniform.cl, of a place on an edge in 16.16: the nearest of the 2^level
-// steps; half-way between two, the one nearer to an end.
-inline uint snapped(uint place, int level)
+// point k of an edge's own level
+inline Vertex on_edge(const Patch patch, int edge, int k)
 {
-    const uint step = FIXED_ONE >> level;
-    const uint nearer_first = 2 * place < FIXED_ONE;
-    return (place + step / 2 - (step > 1 ? nearer_first : 0)) / step * step;
+    const int level = whole_level(patch.edges[edge]);
+    const int from = level == 0 ? k : origin_of(k, level, is_turned(patch.net, edge));
+    const int step = FIXED_ONE >> level;
+    const int way = (int)((patch.edges[edge] - (level - 1)) * step + 0.5f);
+    const uint place = from * step + (k - from) * way;
+    return edge == 0 ? on_surface(patch, 0, FIXED_ONE - place)
+         : edge == 1 ? on_surface(patch, place, 0)
+                     : on_surface(patch, FIXED_ONE - place, place);
 }
 
 // a point of the lattice one level coarser
@@ -107,14 +126,9 @@ inline Vertex on_lattice(const Patch patch, uint2 at)
     const int edge = edge_of(at);
     if (edge == 3)
         return on_surface(patch, at.x, at.y);
-    // walked as the pattern is: u = 0 from v = 1, v = 0 from u = 0, w = 0 from u = 1
-    const int level = whole_level(patch.edges[edge]);
-    const uint walked = edge == 1 ? at.x : FIXED_ONE - (edge == 0 ? at.y : at.x);
-    const uint place = snapped(walked, level);
-    const uint2 moved = edge == 0 ? (uint2)(0, FIXED_ONE - place)
-                      : edge == 1 ? (uint2)(place, 0)
-                                  : (uint2)(FIXED_ONE - place, place);
-    return on_edge(patch, edge, moved);
+    const int level = whole_level(patch.inside), own = whole_level(patch.edges[edge]);
+    const int k = walked(edge, at) / (FIXED_ONE >> level);
+    return on_edge(patch, edge, snap(k, level, own, is_turned(patch.net, edge)) >> (level - own));
 }
 
 inline Vertex inside_patch(const Patch patch, uint2 at)
@@ -148,12 +162,11 @@ __kernel void pn_blend(const int patches,
                        {own[0], own[1], own[2]}, fmax(own[0], fmax(own[1], own[2]))};
         patch.fallback = fallback_normal(patch.net);
         for (uint k = point_offsets[i] + get_local_id(0); k < point_offsets[i + 1]; k += GROUP) {
-            const int edge = edge_of(points[k]);
-            const bool corner = points[k].x == FIXED_ONE || points[k].y == FIXED_ONE
-                             || points[k].x + points[k].y == 0;
-            const Vertex found = corner ? on_surface(patch, points[k].x, points[k].y)
-                               : edge < 3 ? on_edge(patch, edge, points[k])
-                                          : inside_patch(patch, points[k]);
+            const uint2 at = points[k];
+            const int edge = edge_of(at);
+            const uint step = FIXED_ONE >> whole_level(edge < 3 ? patch.edges[edge] : 0.0f);
+            const Vertex found = edge < 3 ? on_edge(patch, edge, walked(edge, at) / step)
+                                          : inside_patch(patch, at);
             put_vector(positions, k, found.position);
             put_vector(normals, k, found.normal);
         }

@@ -9,7 +9,8 @@
 //
 // At a line between cells both give f the same value but for rounding. So the side of the ground
 // that the ray is on is kept: where it is another at the next cell's border, the ray has passed
-// through that border. A cell has a surface where all of its four samples have data.
+// through that border. A cell has a surface where all of its four samples have data; a ray along the
+// line between two cells meets that of either.
 //
 // Built with: NEAR, cells within which a point is on a sample; what ground.h is built with.
 #include "ground.h"
@@ -136,6 +137,19 @@ inline double cast_in_cell(const Cell cell, const Ray ray, int row, int column, 
     return side_of_ground(left) == entered ? NAN : leave;
 }
 
+// The cell of a ray's place, or, where that has no data and the ray runs along its border, the one on
+// the other side: both agree on what is between them.
+inline int2 cell_with_data(const Ground ground, const Ray ray, int column, int row)
+{
+    const bool on_column = ray.direction.x == 0.0 && ray.origin.x == column && column > 0;
+    const bool on_row = ray.direction.y == 0.0 && ray.origin.y == row && row > 0;
+    for (int north = 0; north <= on_row; ++north)
+        for (int west = 0; west <= on_column; ++west)
+            if (cell_has_data(ground, row - north, column - west))
+                return (int2)(column - west, row - north);
+    return (int2)(column, row);
+}
+
 // Walk the cells of a tile; return t of the first hit or NaN, and the cell that it is in.
 inline double cast_in_tile(const Ground ground, const Tile tile, const Ray ray, double enter,
                            double leave, int *side, int2 *hit_cell)
@@ -148,10 +162,11 @@ inline double cast_in_tile(const Ground ground, const Tile tile, const Ray ray, 
         const double cross_x = next_line(ray.origin.x, ray.direction.x, column, column + 1);
         const double cross_y = next_line(ray.origin.y, ray.direction.y, row, row + 1);
         const double out = fmax(t, fmin(fmin(cross_x, cross_y), leave));
-        const double hit = cast_in_cell(cell_at(ground, row, column), ray, row, column, t, out,
-                                        side);
+        const int2 place = cell_with_data(ground, ray, column, row);
+        const double hit = cast_in_cell(cell_at(ground, place.y, place.x), ray, place.y, place.x,
+                                        t, out, side);
         if (!isnan(hit)) {
-            *hit_cell = (int2)(column, row);
+            *hit_cell = place;
             return hit;
         }
         if (fmin(cross_x, cross_y) >= leave)

@@ -17,9 +17,11 @@
 //                     .a---.---b.
 //
 // After Dyken, Reimers, Seland, "Semi-uniform adaptive patch tessellation", Computer Graphics Forum
-// 28(8), 2009, section 3.
+// 28(8), 2009, section 3. Their snap function goes to the nearest point (equation 1); here points go
+// down level by level, see dyadic_edge.h, so that an edge can come and go between two levels.
 //
 // Built with: GROUP work-items a patch.
+#include "dyadic_edge.h"
 #include "group_scan.h"
 #include "layout.h"
 
@@ -32,12 +34,13 @@
 typedef struct {
     int edges[SIDES];       // u = 0, v = 0, w = 0
     int patch;              // the largest of them, below 0 where the patch is culled
+    int turns;              // a bit an edge: where the middle of level 1 goes
 } Levels;
 
 // edge levels as asked for: rounded up, and at most `maximum`; one below 0 or NaN culls
 inline Levels levels_of(__global const float *levels, size_t patch, int maximum)
 {
-    Levels result = {{0, 0, 0}, 0};
+    Levels result = {{0, 0, 0}, 0, 0};
     bool drawn = true;
     for (int edge = 0; edge < SIDES; ++edge) {
         const float wanted = levels[SIDES * patch + edge];
@@ -53,24 +56,14 @@ inline Levels levels_of(__global const float *levels, size_t patch, int maximum)
     return result;
 }
 
-// The snap function, equation 1 of the paper: step k of the 2^level of an edge becomes the nearest
-// of the 2^edge_level; halfway between two, the one nearer to an end of the edge. The middle of an
-// edge of level 0 is as far from both ends: the paper's formula sends it to 1 whichever way the
-// edge is walked, so here it goes to where the walk ends. Its neighbour has no point there.
-inline int snap(int k, int level, int edge_level)
-{
-    const int shift = level - edge_level, rounding = (1 << shift) / 2;
-    const bool first_half = 2 * k < 1 << level;
-    return shift == 0 ? k : (k + rounding - first_half) >> shift << shift;
-}
-
 // Returns where on the walk around the boundary its step comes to lie; points inside stay.
 inline int snap_point(int point, const Levels levels)
 {
     const int steps = 1 << levels.patch, edge = point >> levels.patch;
     if (edge >= SIDES)
         return point;
-    const int moved = edge * steps + snap(point & (steps - 1), levels.patch, levels.edges[edge]);
+    const int moved = edge * steps + snap(point & (steps - 1), levels.patch, levels.edges[edge],
+                                          levels.turns >> edge & 1);
     return moved == SIDES * steps ? 0 : moved;
 }
 
@@ -139,6 +132,7 @@ __kernel void semi_uniform_fill(int level, int maximum, int keep_degenerate, int
                                 int inner_points, int inner_triangles,
                                 __global const uint *queue,             // (P,) patches by level
                                 __global const float *levels,           // (P, 3)
+                                __global const int *turns,              // (P,)
                                 __global const uint2 *lattice,          // points inside
                                 __global const int *triangles,          // (4^level, 3)
                                 __global const uint *point_offsets,     // (P + 1,)
@@ -151,7 +145,8 @@ __kernel void semi_uniform_fill(int level, int maximum, int keep_degenerate, int
     const int copied = keep_degenerate ? all : inner_triangles;
     for (int place = queue_begin + get_group_id(0); place < queue_end; place += get_num_groups(0)) {
         const uint patch = queue[place];
-        const Levels own = levels_of(levels, patch, maximum);
+        Levels own = levels_of(levels, patch, maximum);
+        own.turns = turns[patch];
         const int base = point_offsets[patch];
         __global uint2 *own_points = points + base;
         __global int *own_triangles = filled + 3 * (size_t)triangle_offsets[patch];

@@ -15,7 +15,8 @@ from .curved.creases import split_at_creases
 from .curved.curved_mesh import CurvedMesh
 from .curved.curves import Polyline, curve
 from .curved.decals import Decal, dent, shoot
-from .curved.displaced import displace, variation_factors
+from .curved.displaced import displace
+from .curved.displaced_maps import variation_factors
 from .curved.patch_factors import (
     CurvatureFactor,
     DistanceFactor,

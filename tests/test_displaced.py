@@ -10,7 +10,8 @@ from curved_meshes import CLOSED, bulging, cube, torus
 
 import terrain_lod as tl
 from terrain_lod.curved.decals import Decal, dent, shoot
-from terrain_lod.curved.displaced import displace, variation_factors
+from terrain_lod.curved.displaced import displace
+from terrain_lod.curved.displaced_maps import variation_factors
 from terrain_lod.doctor import checks_pn
 from terrain_lod.factors import counts
 from terrain_lod.measure.cracks import crack_report

@@ -11,7 +11,8 @@ from curved_meshes import CLOSED, cube, torus
 from terrain_lod.camera import Camera
 from terrain_lod.curved.adjacency import Adjacency
 from terrain_lod.curved.decals import Decal, dent, dent_on_device, shoot
-from terrain_lod.curved.displaced import displace, variation_factors
+from terrain_lod.curved.displaced import displace
+from terrain_lod.curved.displaced_maps import variation_factors
 from terrain_lod.curved.displaced_normals import corner_kinds
 from terrain_lod.curved.patch_factors import (
     CurvatureFactor,
@@ -140,7 +141,7 @@ def test_factors_from_a_map_do_not_depend_on_how_many_are_asked_together(monkeyp
     mesh = torus(16, 8)
     textures = mesh.vertices[:, :2] * 0.2
     expected = variation_factors(mesh, WAVES, textures, scale=0.2, tolerance=0.01)
-    monkeypatch.setattr("terrain_lod.curved.displaced._SAMPLED_TOGETHER", 7)
+    monkeypatch.setattr("terrain_lod.curved.displaced_maps._SAMPLED_TOGETHER", 7)
     found = variation_factors(mesh, WAVES, textures, scale=0.2, tolerance=0.01)
     np.testing.assert_array_equal(found, expected)
     assert found.max() > 2

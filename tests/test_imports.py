@@ -49,8 +49,8 @@ ROOMS = {
     ),
     # put stages one after the other
     "chains": (
-        "terrain promise curved.smooth curved.amplify curved.displaced* curved.decals "
-        "curved.bezier curved.surfaces curved.curves curved.uniform_quads",
+        "terrain promise curved.patched_mesh curved.smooth curved.amplify curved.displaced* "
+        "curved.decals curved.bezier curved.surfaces curved.curves curved.uniform_quads",
         "values files meshes device stages",
     ),
     # take a mesh to a number or a picture

@@ -101,6 +101,22 @@ def test_rays_against_the_ground(seed: int, place: str, make, tile: int) -> None
         assert (along <= corners[tiles + 1] + 1e-6).all()
 
 
+@pytest.mark.parametrize("place", PLACES)
+def test_straight_down_on_a_sample_any_cell_around_it_is_met(place: str) -> None:
+    ground = holed(66, 50, **PLACES[place])
+    row, column = np.indices(ground.shape)
+    x = ground.origin[0] + column.ravel() * ground.spacing[0]
+    y = ground.origin[1] - row.ravel() * ground.spacing[1]
+    origins = np.stack([x, y, np.full(x.size, ground.height_range[1] + 10)], axis=1)
+    hits = tl.Terrain(ground).cast(origins, [(0, 0, -1)])
+    valid = ground.valid
+    cells = np.pad(valid[1:, 1:] & valid[1:, :-1] & valid[:-1, 1:] & valid[:-1, :-1], 1)
+    around = cells[1:, 1:] | cells[1:, :-1] | cells[:-1, 1:] | cells[:-1, :-1]
+    np.testing.assert_array_equal(hits.hit, around.ravel())
+    expected = ground.elevation[around]
+    np.testing.assert_allclose(hits.position[hits.hit, 2], expected, rtol=0, atol=1e-9)
+
+
 def assert_same_distances(hits, expected, found, ground: tl.Heightmap) -> None:
     """Assert equal distances; rays that touch the outline or a tangent may go either way."""
     differ = np.isnan(found) != np.isnan(expected)

@@ -49,7 +49,7 @@ def boundary_points(pattern, patch):
 
 
 @pytest.mark.parametrize("keep_degenerate", [True, False])
-def test_every_combination_up_to_level_3_is_the_papers(keep_degenerate):
+def test_every_combination_up_to_level_3_is_the_twins(keep_degenerate):
     levels = ALL[(ALL <= 3).all(axis=1)]
     pattern = semi_uniform(levels, keep_degenerate=keep_degenerate)
     for patch, own in enumerate(levels.tolist()):
@@ -58,7 +58,7 @@ def test_every_combination_up_to_level_3_is_the_papers(keep_degenerate):
 
 
 @pytest.mark.parametrize("levels", [(5, 0, 3), (4, 5, 1), (2, 2, 5), (6, 1, 0)])
-def test_fine_levels_are_the_papers(levels):
+def test_fine_levels_are_the_twins(levels):
     for keep in (True, False):
         pattern = semi_uniform([levels], maximum=6, keep_degenerate=keep)
         assert in_order(corners_of(pattern, 0)) == expected(levels, keep_degenerate=keep)

@@ -9,6 +9,7 @@ import pytest
 from curved_meshes import CLOSED, bulging, chamfered_cube, cone, cube, torus, welded
 
 import terrain_lod as tl
+from terrain_lod.curved.adjacency import Adjacency
 from terrain_lod.curved.creases import split_at_creases
 from terrain_lod.curved.patch_factors import (
     CurvatureFactor,
@@ -369,6 +370,24 @@ def test_levels_between_whole_ones_grow_without_a_jump() -> None:
     assert distance(surface(8.0), low) > 0.01
     # and just below a whole level they are nearly that level's
     assert np.abs(surface(7.9999).vertices - surface(8.0).vertices).max() < 1e-5
+
+
+def test_edges_beside_finer_patches_come_and_go_without_a_jump() -> None:
+    mesh = torus()
+    adjacency = Adjacency.of(mesh)
+    levels = np.random.default_rng(4).integers(0, 4, len(adjacency.sides)).astype(float)
+
+    def surface(more: float):
+        factors = (2 ** (levels + more))[adjacency.edges]
+        return pn_triangles(mesh, factors, partitioning="semi_uniform")
+
+    # every edge has twice the segments, and nothing is elsewhere
+    low, above = surface(0.0), surface(1e-4)
+    assert len(above.triangles) > 1.5 * len(low.triangles)
+    assert max(distance(above, low), distance(low, above)) < 2e-4
+    assert distance(surface(0.5), low) > 0.02
+    assert not crack_report(above, closed=True)
+    assert not crack_report(surface(0.5), closed=True)
 
 
 def distance(points: tl.Mesh, surface: tl.Mesh) -> float:

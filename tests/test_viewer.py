@@ -99,7 +99,7 @@ def test_choices_go_round_and_refuse_what_they_do_not_know():
         SETTINGS.changed("mode", "cubist")
     with pytest.raises(InputError, match="expected one of shaded, wireframe, lod, normals"):
         EVERY[1].changed("mode", "deviation")
-    with pytest.raises(InputError, match="unknown setting 'colour'"):
+    with pytest.raises(InputError, match="unknown setting 'colour': expected one of mode, lod"):
         SETTINGS.changed("colour", "red")
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import gc
-import importlib.util
 import math
 import os
 import subprocess
@@ -14,6 +13,7 @@ import numpy as np
 import pytest
 from grounds import rough
 from PIL import Image
+from viewer_hands import benchmark, drag, press
 
 from terrain_lod import default_camera
 from terrain_lod.cli import REFUSED, run
@@ -31,7 +31,6 @@ pytestmark = pytest.mark.skipif(
     graphics_problem() is not None, reason=f"no viewer window tested: {graphics_problem()}"
 )
 SIZE = (320, 240)
-ROOT = Path(__file__).parents[1]
 
 
 @pytest.fixture(scope="module")
@@ -51,25 +50,6 @@ def window(model):
 @pytest.fixture
 def controls(window, tmp_path):
     return Controls(window, pictures=tmp_path)
-
-
-def press(controls, key):
-    """Press a key, as VTK reports it."""
-    interactor = controls.window.plotter.iren.interactor
-    interactor.SetKeySym(key)
-    interactor.InvokeEvent("KeyPressEvent")
-    interactor.InvokeEvent("CharEvent")
-
-
-def drag(controls, start, end, button="Left", shift=False):
-    interactor = controls.window.plotter.iren.interactor
-    interactor.SetShiftKey(int(shift))
-    interactor.SetEventPosition(*start)
-    interactor.InvokeEvent(f"{button}ButtonPressEvent")
-    interactor.SetEventPosition(*end)
-    interactor.InvokeEvent("MouseMoveEvent")
-    interactor.InvokeEvent(f"{button}ButtonReleaseEvent")
-    interactor.SetShiftKey(0)
 
 
 def bare(window):
@@ -188,6 +168,8 @@ def test_flying_looks_around_and_moves_along_the_view(controls):
         press(controls, "w")  # into the ground, and out at the other side
     assert window.rig.eye[2] > window.model.scene.ground.height_range[0]
     assert math.dist(window.rig.eye, window.model.scene.centre) < 1e5
+    window.drive(window.rig.fly(1e9))
+    assert window.note == "the camera stays above the ground and near it"
 
 
 @pytest.mark.parametrize(
@@ -387,14 +369,28 @@ def test_command_without_a_display(capsys, tmp_path, monkeypatch):
     assert path.exists()
 
 
+def test_vtk_is_tidied_up_on_its_own_thread(model):
+    assert gc.isenabled()
+    window = Window(model, default_camera(model.scene.ground, size=SIZE), off_screen=True)
+    assert not gc.isenabled()
+    window.close()
+    assert gc.isenabled()
+
+
+def test_a_light_panel_stands_under_the_sliders(controls):
+    window = controls.window
+    window.change("mode", "lod")
+    window.settle()
+    controls.pump()
+    with_panel = window.picture().astype(int)
+    press(controls, "h")
+    controls.pump()
+    without = window.picture().astype(int)
+    strip = np.s_[20:120, -60:-10]
+    assert with_panel[strip].mean() > without[strip].mean() + 20
+
+
 # wear
-
-
-def benchmark():
-    spec = importlib.util.spec_from_file_location("viewer_benchmark", ROOT / "benchmarks/viewer.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
 
 
 def test_any_events_in_any_order(controls):

@@ -98,11 +98,16 @@ def view(
     for name, value in chosen.items():
         if value is not None:
             settings = settings.changed(name, value)
+            if (held := getattr(settings, name)) != value:
+                raise InputError(
+                    f"expected {name} in its range, got {value:g}: nearest is {held:g}"
+                )
     model.scene.settings = settings
     eye = camera.instead_of(model.scene.camera())
     if web:
-        from ..viewer.web import serve
+        from ..viewer.web import require_page, serve
 
+        require_page(host, port)
         print(f"http://{host}:{port}/  (Ctrl-C ends it)", file=sys.stderr)
         serve(model, eye, host=host, port=port, open_browser=browser)
     elif off_screen:
@@ -131,6 +136,7 @@ def _scene(name: str, reading: GroundOptions, terrain: TerrainOptions) -> Scene:
         log("%r", scene.ground)
         return scene
     given = [option for option, value in vars(reading).items() if value is not None]
+    given += [] if terrain.tile == TerrainOptions.tile else ["tile"]
     if given:
         option = "--" + given[0].replace("_", "-")
         raise InputError(f"expected a raster with {option}, got {name}")

@@ -17,10 +17,11 @@ from ..device import Device, DeviceArray
 from ..errors import InputError
 from ..mesh import Mesh
 from ..pattern import DevicePattern
-from .displaced import checked_map, moved_mesh
+from .displaced import moved_mesh
+from .displaced_maps import checked_map
 from .patch_factors import checked_factor
+from .patched_mesh import PatchedMesh, require_curvable
 from .pn import DevicePatchMesh
-from .smooth import PatchedMesh, require_curvable
 
 _GROUP: Final = 64
 _RUN: Final = 32  # points that a CPU asks together which decals are near

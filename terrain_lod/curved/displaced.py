@@ -9,36 +9,24 @@ import numpy as np
 import numpy.typing as npt
 
 from .. import layout
-from ..arguments import finite, one_of, positive
+from ..arguments import finite, one_of
 from ..buffers import DeviceFactors
 from ..camera import Camera
 from ..device import Device, DeviceArray
-from ..errors import InputError
 from ..measure.open_edges import weld
 from ..mesh import Mesh
 from ..opencl.timeline import Timeline
 from ..pattern import DevicePattern
 from ..tessellator import tessellate_device
 from .adjacency import EDGE_ENDS, Adjacency
+from .displaced_maps import checked_map, checked_textures
 from .displaced_normals import corner_kinds, renew_normals_on_device
-from .patch_factors import EdgeFactor, checked_factor
+from .patch_factors import EdgeFactor
+from .patched_mesh import PatchedMesh, require_curvable
 from .pn import evaluate_on_device, patch_factors_on_device
-from .smooth import (
-    PatchedMesh,
-    diagonal_of,
-    edge_factors,
-    from_device,
-    require_curvable,
-    view_for,
-)
+from .smooth import diagonal_of, edge_factors, from_device, view_for
 
 _RUNS: Final = 1024  # work-groups on a CPU, each with a run of patches
-# segments along an edge of the lattice that a map's variation is measured on
-_SAMPLED: Final = 16
-_SAMPLED_TOGETHER: Final = 4096  # triangles
-_LARGEST_COORDINATE: Final = 1 << 20
-
-Array = npt.NDArray[np.float64]
 
 
 def displace(
@@ -68,7 +56,7 @@ def displace(
         corner of the map, whose last row is the lowest. Defaults to the mesh's own.
     factor : float or (T, 3) array_like, optional
         Segments along the edges, as for :func:`terrain_lod.pn_triangles`;
-        :func:`variation_factors` finds those that the map needs. Defaults to 5.
+        :func:`terrain_lod.variation_factors` finds those that the map needs. Defaults to 5.
     scale, bias : float, optional
         Points move by ``bias + scale * height``, in world units.
     lod : EdgeFactor, optional
@@ -102,7 +90,7 @@ def displace(
     require_curvable(mesh)
     one_of("partitioning", partitioning, layout.PARTITIONINGS)
     finite("scale", scale), finite("bias", bias)
-    raster, coordinates = checked_map(heights), _checked_textures(textures, mesh)
+    raster, coordinates = checked_map(heights), checked_textures(textures, mesh)
     view = view_for(mesh, factor, lod, camera)
     device = device or Device.open()
     with device.timed() as timeline:
@@ -210,100 +198,3 @@ def shared_normals(
     lengths[lost] = 1.0
     mean: npt.NDArray[np.float32] = (sums / lengths[:, None]).astype(np.float32)[points]
     return mean
-
-
-def variation_factors(
-    mesh: Mesh,
-    heights: npt.ArrayLike,
-    textures: npt.ArrayLike | None = None,
-    *,
-    scale: float = 1.0,
-    tolerance: float,
-    maximum: float = 63.0,
-) -> npt.NDArray[np.float32]:
-    """Return the factors that a map's own variation asks for.
-
-    The heights over each triangle are sampled on a lattice of 16 segments and compared with the
-    plane through those at its corners. A surface that leaves its plane by d is followed within the
-    tolerance by about sqrt(d / tolerance) segments, as a parabola is.
-
-    Parameters
-    ----------
-    mesh : Mesh
-    heights, textures, scale
-        As for :func:`displace`.
-    tolerance : float
-        In world units, above 0.
-    maximum : float, optional
-        The most segments, 1 to 64.
-
-    Returns
-    -------
-    (T, 3) float32
-        At an edge the larger of both sides', 1 where the map is plane.
-    """
-    positive("tolerance", tolerance)
-    checked_factor("maximum", maximum)
-    raster, coordinates = checked_map(heights), _checked_textures(textures, mesh)
-    i, j = np.meshgrid(np.arange(_SAMPLED + 1), np.arange(_SAMPLED + 1), indexing="ij")
-    inside = i + j <= _SAMPLED
-    weights = np.stack([i, j, _SAMPLED - i - j], axis=-1)[inside] / _SAMPLED
-    off = np.empty(len(mesh.triangles))
-    # so many at a time, for all their samples are in memory
-    for first in range(0, len(off), _SAMPLED_TOGETHER):
-        some = slice(first, first + _SAMPLED_TOGETHER)
-        corners = coordinates[mesh.triangles[some]].astype(np.float64)
-        sampled = map_heights(raster, np.einsum("nk,tkc->tnc", weights, corners))
-        plane = map_heights(raster, corners) @ weights.T
-        off[some] = np.abs(sampled - plane).max(axis=1)
-    wanted = np.clip(np.sqrt(abs(scale) * off / tolerance), 1, maximum)
-    adjacency = Adjacency.of(mesh)
-    of_edge = np.zeros(len(adjacency.sides))
-    np.maximum.at(of_edge, adjacency.edges, wanted[:, None])
-    factors: npt.NDArray[np.float32] = of_edge[adjacency.edges].astype(np.float32)
-    return factors
-
-
-def map_heights(heights: npt.NDArray[np.float32], textures: Array) -> Array:
-    """Return the map at texture coordinates (..., 2), as ``kernels/displaced.cl`` finds it."""
-    rows, columns = heights.shape
-    x = textures[..., 0] % 1.0 * columns - 0.5
-    y = (1.0 - textures[..., 1] % 1.0) * rows - 0.5
-    left, above = np.floor(x).astype(int), np.floor(y).astype(int)
-    a, b, c, d = (
-        heights[(above + down) % rows, (left + right) % columns].astype(np.float64)
-        for down in (0, 1)
-        for right in (0, 1)
-    )
-    upper, lower = a + (b - a) * (x - left), c + (d - c) * (x - left)
-    found: Array = upper + (lower - upper) * (y - above)
-    return found
-
-
-def checked_map(heights: npt.ArrayLike) -> npt.NDArray[np.float32]:
-    """Return a map as (R, C) float32, or say what it should be."""
-    raster = np.ascontiguousarray(heights, np.float32)
-    if raster.ndim != 2 or not raster.size or not np.isfinite(raster).all():
-        raise InputError(f"expected a map of finite heights (R, C), got shape {raster.shape}")
-    return raster
-
-
-def _checked_textures(textures: npt.ArrayLike | None, mesh: Mesh) -> npt.NDArray[np.float32]:
-    """Return texture coordinates, given or the mesh's own, or say what they should be."""
-    if textures is None:
-        if mesh.textures is None:
-            raise InputError("expected texture coordinates, got none, and the mesh has none either")
-        textures = mesh.textures
-    coordinates = np.ascontiguousarray(textures, np.float32)
-    if coordinates.shape != (len(mesh.vertices), 2) or not np.isfinite(coordinates).all():
-        raise InputError(
-            f"expected finite texture coordinates ({len(mesh.vertices)}, 2), one pair a vertex, "
-            f"got shape {coordinates.shape}"
-        )
-    largest = float(np.abs(coordinates).max(initial=0.0))
-    if largest > _LARGEST_COORDINATE:
-        raise InputError(
-            f"expected texture coordinates within {_LARGEST_COORDINATE}, where float32 still has "
-            f"places in a map, got {largest:g}"
-        )
-    return coordinates

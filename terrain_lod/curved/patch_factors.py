@@ -173,7 +173,7 @@ class CurvatureFactor(EdgeFactor):
 
     Notes
     -----
-    On semi-uniform patterns, between whole levels, it may be a quarter more.
+    On semi-uniform patterns, between whole levels, it may be an eighth more.
     """
 
     pixels: float = 0.5

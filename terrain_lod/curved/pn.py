@@ -196,6 +196,19 @@ def evaluate_on_device(
     DeviceMemoryError
         If the device cannot hold the vertices.
     """
+    lanes = 1 if nets.device.is_gpu else _LANES
+    defines = {"LANES": lanes, "LINEAR_NORMALS": int(linear_normals)}
+    return _vertices("pn_domain", nets, pattern, defines)
+
+
+def _vertices(
+    stage: str,
+    nets: DeviceArray,
+    pattern: DevicePattern,
+    defines: dict[str, int],
+    **inputs: DeviceArray,
+) -> DeviceVertices:
+    """Run one of the kernels that make a vertex of every point."""
     device, count, patches = nets.device, pattern.points.shape[0], nets.shape[0]
     device.require(f"{count} vertices", count * 12, count * 12)
     vertices = DeviceVertices(
@@ -203,15 +216,7 @@ def evaluate_on_device(
     )
     group = device.group_size(32)
     groups = patches if device.is_gpu else min(patches, _RUNS)
-    lanes = 1 if device.is_gpu else _LANES
-    kernel = device.kernel(
-        "pn_domain.cl",
-        "pn_domain",
-        GROUP=group,
-        LANES=lanes,
-        LINEAR_NORMALS=int(linear_normals),
-    )
-    kernel(
+    device.kernel(f"{stage}.cl", stage, GROUP=group, **defines)(
         (groups * group,),
         (group,),
         patches=patches,
@@ -220,6 +225,7 @@ def evaluate_on_device(
         points=pattern.points,
         positions=vertices.positions,
         normals=vertices.normals,
+        **inputs,
     )
     return vertices
 
@@ -251,13 +257,29 @@ def levels_on_device(factors: DeviceArray, maximum: int) -> DeviceArray:
     return levels
 
 
+def turns_on_device(nets: DeviceArray) -> DeviceArray:
+    """Return where semi-uniform patterns put the middles of edges of level 0.
+
+    Returns
+    -------
+    DeviceArray, (T,) int32
+        For :func:`terrain_lod.curved.semi_uniform.semi_uniform_device`; both sides of an edge
+        agree.
+    """
+    device, patches = nets.device, nets.shape[0]
+    turns = device.empty(patches, np.int32)
+    kernel = device.kernel("pn_blend.cl", "pn_turns", GROUP=1, LANES=1, LINEAR_NORMALS=0)
+    kernel((patches,), (_GROUP,), patches=patches, nets=nets, turns=turns)
+    return turns
+
+
 def blend_on_device(
     nets: DeviceArray, levels: DeviceArray, pattern: DevicePattern, *, linear_normals: bool = False
 ) -> DeviceVertices:
     """Put every point of a semi-uniform `pattern` on its patch, or on its way there.
 
-    Points that a level has and the next lower one has not, grow out of that one's segments by the
-    fraction of the level, see ``kernels/pn_blend.cl``.
+    Points that a level has and the next lower one has not, come out of that one by the fraction of
+    the level, see ``kernels/pn_blend.cl``.
 
     Parameters
     ----------
@@ -265,7 +287,7 @@ def blend_on_device(
     levels : DeviceArray, (T, 3) float32
         Those that the pattern was made for.
     pattern : DevicePattern
-        Of :func:`terrain_lod.curved.semi_uniform.semi_uniform_device`.
+        Of :func:`terrain_lod.curved.semi_uniform.semi_uniform_device`, with the turns of `nets`.
     linear_normals : bool, optional
         As for :func:`evaluate_on_device`.
 
@@ -278,24 +300,5 @@ def blend_on_device(
     DeviceMemoryError
         If the device cannot hold the vertices.
     """
-    device, count, patches = nets.device, pattern.points.shape[0], nets.shape[0]
-    device.require(f"{count} vertices", count * 12, count * 12)
-    vertices = DeviceVertices(
-        device.empty((count, 3), np.float32), device.empty((count, 3), np.float32)
-    )
-    group = device.group_size(32)
-    groups = patches if device.is_gpu else min(patches, _RUNS)
-    device.kernel(
-        "pn_blend.cl", "pn_blend", GROUP=group, LANES=1, LINEAR_NORMALS=int(linear_normals)
-    )(
-        (groups * group,),
-        (group,),
-        patches=patches,
-        nets=nets,
-        levels=levels,
-        point_offsets=pattern.point_offsets,
-        points=pattern.points,
-        positions=vertices.positions,
-        normals=vertices.normals,
-    )
-    return vertices
+    defines = {"LANES": 1, "LINEAR_NORMALS": int(linear_normals)}
+    return _vertices("pn_blend", nets, pattern, defines, levels=levels)

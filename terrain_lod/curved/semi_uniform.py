@@ -5,7 +5,7 @@ levels an edge: level n is 2ⁿ segments. A patch is tessellated as finely as it
 points on its coarser edges are moved onto those of the edge's level.
 
 After Dyken, Reimers, Seland: *Semi-uniform adaptive patch tessellation*, Computer Graphics Forum
-28(8), 2009.
+28(8), 2009, but for where points on coarser edges go: ``kernels/dyadic_edge.h``.
 """
 
 from __future__ import annotations
@@ -99,7 +99,12 @@ def semi_uniform(
 
 
 def semi_uniform_device(
-    levels: DeviceArray, *, maximum: int, keep_degenerate: bool, clockwise: bool
+    levels: DeviceArray,
+    *,
+    maximum: int,
+    keep_degenerate: bool,
+    clockwise: bool,
+    turns: DeviceArray | None = None,
 ) -> DevicePattern:
     """Tessellate triangles whose edge levels are on the device, and leave the pattern there.
 
@@ -110,6 +115,8 @@ def semi_uniform_device(
     maximum : int
         0 to 10.
     keep_degenerate, clockwise : bool
+    turns : DeviceArray, (P,) int32, optional
+        A bit an edge: whether at level 0 its middle goes to the start of the walk, not to the end.
 
     Raises
     ------
@@ -143,6 +150,7 @@ def semi_uniform_device(
     # which, a launch a level
     pattern = DevicePattern(points, triangles, point_offsets, triangle_offsets)
     queues = queues_of(patch_levels, maximum + 1)
+    common["turns"] = device.zeros(patches, np.int32) if turns is None else turns
     for level in np.flatnonzero(np.diff(queues.begins)).tolist():
         _fill(pattern, queues, level, clockwise=clockwise, **common)
     return pattern

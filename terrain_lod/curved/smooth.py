@@ -10,7 +10,7 @@ Data stays on the device between the stages and comes down once, as a Mesh.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
@@ -22,23 +22,22 @@ from ..buffers import DeviceFactors, DeviceVertices
 from ..camera import Camera
 from ..device import Device, DeviceArray
 from ..errors import InputError
-from ..measure.soundness import require_sound
 from ..mesh import Mesh
 from ..opencl.timeline import Timeline
 from ..pattern import DevicePattern
 from ..tessellator import tessellate_device
 from .adjacency import Adjacency
-from .creases import split_at_creases
 from .curved_mesh import CurvedMesh
 from .patch_factors import MAX_FACTOR, EdgeFactor, UniformFactor
+from .patched_mesh import PatchedMesh, require_curvable
 from .pn import (
     DevicePatchMesh,
     blend_on_device,
     edge_factors_on_device,
     evaluate_on_device,
     levels_on_device,
-    nets_on_device,
     patch_factors_on_device,
+    turns_on_device,
 )
 from .semi_uniform import semi_uniform_device
 
@@ -141,59 +140,6 @@ def pn_triangles(
         )
 
 
-@dataclass(frozen=True, eq=False)
-class PatchedMesh:
-    """A mesh as curved patches on the device.
-
-    Attributes
-    ----------
-    mesh : Mesh
-        With unit normals, and split where it is to be sharp.
-    adjacency : Adjacency
-    patches : DevicePatchMesh
-    nets : DeviceArray, (T, 16, 3) float32
-        Their control nets.
-    """
-
-    mesh: Mesh
-    adjacency: Adjacency
-    patches: DevicePatchMesh
-    nets: DeviceArray
-
-    @classmethod
-    def upload(
-        cls, mesh: Mesh, device: Device, *, sharp: bool | float = True, plane: bool = False
-    ) -> PatchedMesh:
-        """Make patches of a mesh that can be curved.
-
-        Parameters
-        ----------
-        mesh : Mesh
-        device : Device
-        sharp : bool or float, optional
-            As for :func:`pn_triangles`.
-        plane : bool, optional
-            Keep the triangles plane.
-        """
-        # True is a number, too
-        if not isinstance(sharp, bool):
-            mesh = split_at_creases(mesh, finite("sharp", sharp))
-        mesh = replace(mesh, normals=unit_normals(mesh.normals))
-        adjacency = Adjacency.of(mesh)
-        if sharp is False:
-            adjacency = adjacency.without_neighbours()
-        patches = DevicePatchMesh.upload(mesh.vertices, mesh.normals, adjacency, device)
-        nets = nets_on_device(plane_patches(patches, adjacency) if plane else patches)
-        return cls(mesh, adjacency, patches, nets)
-
-
-def plane_patches(patches: DevicePatchMesh, adjacency: Adjacency) -> DevicePatchMesh:
-    """Return patches without neighbours to bend their edges with: they stay plane."""
-    straight = adjacency.patches.copy()
-    straight[:, layout.PATCH_ADJACENT : layout.PATCH_DOMINANT] = -1
-    return replace(patches, patches=patches.device.array(straight))
-
-
 def view_for(
     mesh: Mesh,
     factor: float | npt.ArrayLike | None,
@@ -227,7 +173,11 @@ def tessellate_nets(
     if partitioning == SEMI_UNIFORM:
         levels = levels_on_device(factors.edge, _LARGEST_LEVEL)
         pattern = semi_uniform_device(
-            levels, maximum=_LARGEST_LEVEL, keep_degenerate=False, clockwise=True
+            levels,
+            maximum=_LARGEST_LEVEL,
+            keep_degenerate=False,
+            clockwise=True,
+            turns=turns_on_device(nets),
         )
         vertices = blend_on_device(nets, levels, pattern, linear_normals=linear_normals)
     else:
@@ -292,25 +242,6 @@ def _back_cosine(back_faces: float | None, camera: Camera | None) -> float | Non
     if not 0 <= finite("back_faces", back_faces) < 1:
         raise InputError(f"expected back_faces from 0 to below 1, got {back_faces:g}")
     return back_faces
-
-
-def require_curvable(mesh: Mesh) -> None:
-    """Refuse meshes without triangles, or with numbers that are not finite."""
-    if not len(mesh.triangles):
-        raise InputError("expected triangles to curve, got an empty mesh")
-    require_sound(mesh.vertices, mesh.triangles)
-    finite_normals = np.isfinite(mesh.normals).all(axis=1)
-    if not finite_normals.all():
-        vertex = int(np.argmin(finite_normals))
-        raise InputError(f"expected finite normals, got {mesh.normals[vertex]} at vertex {vertex}")
-
-
-def unit_normals(normals: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
-    """Return normals of unit length; zero stays zero, and equal normals stay equal."""
-    wide = normals.astype(np.float64)
-    lengths = np.linalg.norm(wide, axis=1, keepdims=True)
-    unit: npt.NDArray[np.float32] = (wide / np.where(lengths > 0, lengths, 1.0)).astype(np.float32)
-    return unit
 
 
 def diagonal_of(mesh: Mesh) -> float:

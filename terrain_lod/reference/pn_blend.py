@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from fractions import Fraction
 from math import ceil
 
 import numpy as np
 import numpy.typing as npt
 
 from .pn import positions_at
+from .semi_uniform import sigma
 
 Array = npt.NDArray[np.float64]
 Weights = tuple[float, float, float]
@@ -35,10 +36,9 @@ def blended_position(controls: Array, levels: Array, weights: Weights) -> Array:
         found: Array = positions_at(controls[None], np.array([at]))[0]
         return found
 
-    if max(weights) == 1:
-        return surface(weights)
+    turned = [_is_turned(controls, edge) for edge in range(3)]
     if 0 in weights:
-        return _on_edge(surface, levels, weights)
+        return surface(_on_edge(levels, turned, weights))
     level = float(max(levels))
     steps = 2 ** ceil(level)
     odd = [round(weight * steps) % 2 for weight in weights]
@@ -52,45 +52,32 @@ def blended_position(controls: Array, levels: Array, weights: Weights) -> Array:
         at = list(weights)
         at[first] += sign / steps
         at[second] -= sign / steps
-        ends.append(_on_lattice(surface, levels, (at[0], at[1], at[2])))
-    return _grown(ends[0], ends[1], surface(weights), level)
-
-
-def _grown(a: Array, b: Array, full: Array, level: float) -> Array:
+        place = _on_edge(levels, turned, (at[0], at[1], at[2]))
+        ends.append(surface(place))
     part = level - (ceil(level) - 1)
-    found: Array = (1 - part) * (a + b) / 2 + part * full
+    found: Array = (1 - part) * (ends[0] + ends[1]) / 2 + part * surface(weights)
     return found
 
 
-def _on_lattice(surface: Callable[[Weights], Array], levels: Array, at: Weights) -> Array:
-    """Return a point of the next coarser lattice, moved as its edge's level has it."""
+def _is_turned(controls: Array, edge: int) -> bool:
+    """Return whether the walk along an edge, from corner edge + 1, begins at the lesser end."""
+    start, end = ((1, 2), (2, 0), (0, 1))[edge]
+    return tuple(controls[start]) < tuple(controls[end])
+
+
+def _on_edge(levels: Array, turned: list[bool], at: Weights) -> Weights:
+    """Return where a point of any lattice is: on an edge, on its way between the edge's levels."""
     if 0 not in at:
-        return surface(at)
-    edge = at.index(0)
-    # edges are walked from corner edge + 1 to edge + 2, edge 1 and 2 too: u to v, w to u
-    start, end = ((1, 2), (2, 0), (0, 1))[edge]
-    steps = 2 ** ceil(float(levels[edge]))
-    exact = at[end] * steps
-    nearest = ceil(exact - 0.5) if at[end] < 0.5 else int(np.floor(exact + 0.5))
-    moved = [0.0, 0.0, 0.0]
-    moved[end] = nearest / steps
-    moved[start] = 1 - moved[end]
-    place = (moved[0], moved[1], moved[2])
-    return surface(place) if max(place) == 1 else _on_edge(surface, levels, place)
-
-
-def _on_edge(surface: Callable[[Weights], Array], levels: Array, at: Weights) -> Array:
-    """Return a point of an edge's own level."""
+        return at
     edge = at.index(0)
     start, end = ((1, 2), (2, 0), (0, 1))[edge]
-    level = float(levels[edge])
-    steps = 2 ** ceil(level)
-    if round(at[end] * steps) % 2 == 0:
-        return surface(at)
-    ends = []
-    for sign in (1, -1):
-        moved = list(at)
-        moved[end] += sign / steps
-        moved[start] -= sign / steps
-        ends.append(surface((moved[0], moved[1], moved[2])))
-    return _grown(ends[0], ends[1], surface(at), level)
+    # the middle of level 1 goes to the end of the walk: mirrored if it should not
+    along = Fraction(at[start] if turned[edge] else at[end])
+    level = ceil(float(levels[edge]))
+    place = sigma(along, level)
+    before = sigma(place, max(level - 1, 0))
+    part = float(levels[edge]) - (level - 1)
+    moved = float(before) + part * float(place - before)
+    weights = [0.0, 0.0, 0.0]
+    weights[start], weights[end] = (moved, 1 - moved) if turned[edge] else (1 - moved, moved)
+    return weights[0], weights[1], weights[2]

@@ -16,12 +16,16 @@ Array = npt.NDArray[np.float64]
 _SLACK = 1e-9
 
 
+def _put_back(cells: Array) -> Array:
+    """Return coordinates with what rounding moved off a sample put back on it."""
+    return np.where(np.abs(cells - np.rint(cells)) <= 1e-7, np.rint(cells), cells)
+
+
 def heights(ground: Heightmap, points: Array) -> Array:
     """Return elevations at world points (N, 2); NaN outside and where a sample is missing."""
     (x0, y0), (dx, dy) = ground.origin, ground.spacing
     x, y = (points[:, 0] - x0) / dx, (y0 - points[:, 1]) / dy
-    # what rounding moved off a sample is put back
-    x, y = (np.where(np.abs(v - np.rint(v)) <= 1e-7, np.rint(v), v) for v in (x, y))
+    x, y = _put_back(x), _put_back(y)
     rows, columns = ground.shape
     inside = (x >= 0) & (x <= columns - 1) & (y >= 0) & (y <= rows - 1)
     x, y = np.where(inside, x, 0), np.where(inside, y, 0)
@@ -44,6 +48,7 @@ def distances(ground: Heightmap, origins: Array, directions: Array) -> Array:
     row, column = np.indices(corner.shape)
     scale = np.array([ground.spacing[0], -ground.spacing[1], 1.0])
     at = (origins - (*ground.origin, ground.base)) / scale
+    at[:, :2] = _put_back(at[:, :2])
     along = directions / scale
     found = np.full(len(origins), np.nan)
     for i, ((x, y, height), (u, v, rise)) in enumerate(zip(at, along, strict=True)):

@@ -1,33 +1,34 @@
-"""Semi-uniform tessellation as the paper writes it: exact fractions, one patch after the other.
+"""Semi-uniform tessellation in exact fractions, one patch after the other.
 
 Dyken, Reimers, Seland: *Semi-uniform adaptive patch tessellation*, Computer Graphics Forum 28(8),
-2009, section 3.
+2009, section 3; but for the snap function.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from math import ceil, floor
 
 Barycentric = tuple[Fraction, Fraction, Fraction]
 Corners = tuple[Barycentric, Barycentric, Barycentric]
 
-_HALF = Fraction(1, 2)
-
 
 def sigma(t: Fraction, level: int) -> Fraction:
-    """Return the nearest dyadic number of `level`, equation 1: a tie goes away from 1/2."""
-    steps = 2**level
-    return Fraction(ceil(steps * t - _HALF) if t < _HALF else floor(steps * t + _HALF), steps)
+    """Return where a dyadic number is on a level: there, or where its origin one level up is.
+
+    The origin of an odd multiple of a step is the neighbour that is a multiple of four; of 1/2,
+    where a walk ends: 1.
+    """
+    while t.denominator > 2**level:
+        step = Fraction(1, t.denominator)
+        t += step if t == step == Fraction(1, 2) or (t / step) % 4 == 3 else -step
+    return t
 
 
 def phi(u: Barycentric, levels: Sequence[int]) -> Barycentric:
     """Return a point of the lattice, snapped onto the level of the edge it lies on.
 
-    The paper has sigma(t) + sigma(1 - t) = 1 for every t, but at level 0 both are 1 for t = 1/2:
-    there the point goes to where a walk around the boundary, by u = 0, v = 0, w = 0 from v = 1,
-    leaves the edge. Corners, on two edges, stay on both.
+    Edges are walked by u = 0, v = 0, w = 0 from v = 1. Corners, on two edges, stay on both.
     """
     for edge in range(3):
         if u[edge] == 0:

@@ -120,7 +120,7 @@ def look(
     Returns
     -------
     tuple of str
-        The read-out of the first view.
+        The read-out of the first view, and what there is to note.
 
     Raises
     ------
@@ -133,7 +133,7 @@ def look(
         window.settle(measured=True)
         if picture is not None:
             window.picture(picture)
-        lines = window.lines()
+        lines = (*window.lines(), *window.note.splitlines())
         if movie is not None:
             for _ in range(frames):
                 movie.add(window.picture())

@@ -30,6 +30,7 @@ from .window import Window
 _WHEEL: Final = 1.15  # zoom a notch
 _TURN: Final = 180.0  # degrees that a drag across the whole window turns
 _LOOK: Final = 60.0
+_ROW: Final = 0.08  # of the window's height, a slider
 _STILL: Final = 3  # pixels within which a drag is a click
 _FLIGHT: Final = {
     **dict.fromkeys(("w", "Up"), (1.0, 0.0)),
@@ -237,7 +238,7 @@ class Controls:
             shape.SetValue(slider.on_scale(value))
             shape.SetTitleText(f"{slider.label}: {slider.said(value)}")
             if slider.name in shown:
-                y = 0.96 - 0.08 * row
+                y = 0.96 - _ROW * row
                 shape.GetPoint1Coordinate().SetValue(0.80, y)
                 shape.GetPoint2Coordinate().SetValue(0.98, y)
                 shape.Modified()
@@ -245,6 +246,7 @@ class Controls:
             if bool(widget.GetEnabled()) != (slider.name in shown):
                 widget.SetEnabled(slider.name in shown)
                 fresh = True
+        self.window.stage.show_panel(_ROW * row + 0.03 if row else 0.0)
         # a click on a slider of VTK's that was never drawn ends the process
         if fresh and min(self.window.size) > 0:
             self.window.draw()

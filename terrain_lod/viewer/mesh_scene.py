@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
 
 from ..camera import Camera, Point
-from ..curved.adjacency import Adjacency
 from ..curved.bezier import bezier
-from ..curved.creases import split_at_creases
 from ..curved.patch_factors import MAX_FACTOR
-from ..curved.pn import DevicePatchMesh, nets_on_device, patch_factors_on_device
-from ..curved.smooth import edge_factors, require_curvable, tessellate_nets, unit_normals
-from ..device import Device, DeviceArray
+from ..curved.patched_mesh import PatchedMesh, require_curvable
+from ..curved.pn import patch_factors_on_device
+from ..curved.smooth import edge_factors, tessellate_nets
+from ..device import Device
 from ..errors import InputError
 from ..files.bpt import as_nets
 from ..mesh import Mesh
@@ -116,22 +115,27 @@ class CurvedScene(_Placed):
         require_curvable(mesh)
         used = mesh.vertices[mesh.triangles.ravel()].astype(np.float64) + mesh.origin
         super().__init__(used.min(axis=0), used.max(axis=0))
-        self.mesh, self.device = mesh, device or Device.open()
+        self.mesh, self.device = replace(mesh, textures=None), device or Device.open()
         self.settings = CurvedSettings(diagonal=self.diagonal)
-        self._nets = lru_cache(maxsize=1)(self._curved)
+        # 1.0 degrees are not True
+        self._patched = lru_cache(maxsize=1, typed=True)(self._upload)
+
+    def _upload(self, sharp: bool | float) -> PatchedMesh:
+        return PatchedMesh.upload(self.mesh, self.device, sharp=sharp)
 
     def tessellated(self, request: Request) -> MeshFrame:
         settings, camera = request.settings, request.camera
         assert isinstance(settings, CurvedSettings)
         view = camera.view(self.mesh.origin)
-        crease = settings.crease if settings.sharp == "angle" else None
+        sharp = {"normals": True, "never": False}.get(settings.sharp, settings.crease)
         with self.device.timed() as timeline:
-            patches, adjacency, nets = self._nets(settings.sharp != "never", crease)
-            formula = settings.formula()
-            of_edges = edge_factors(patches, adjacency, None, formula, self.diagonal, view)
+            base = self._patched(sharp)
+            of_edges = edge_factors(
+                base.patches, base.adjacency, None, settings.formula(), self.diagonal, view
+            )
             factors = patch_factors_on_device(
-                patches,
-                nets,
+                base.patches,
+                base.nets,
                 of_edges,
                 view,
                 cull=True,
@@ -139,7 +143,7 @@ class CurvedScene(_Placed):
             )
             mesh = tessellate_nets(
                 self.mesh,
-                nets,
+                base.nets,
                 factors,
                 settings.partitioning,
                 settings.normals == "linear",
@@ -153,21 +157,8 @@ class CurvedScene(_Placed):
             mesh=mesh,
             edge_factors=factors.edge.host(),
             inside_factors=factors.inside.host(),
-            triangle_offsets=np.searchsorted(owners, np.arange(patches.count + 1)),
+            triangle_offsets=np.searchsorted(owners, np.arange(base.patches.count + 1)),
         )
-
-    def _curved(
-        self, sharp: bool, crease: float | None
-    ) -> tuple[DevicePatchMesh, Adjacency, DeviceArray]:
-        """Return the patches, how they meet, and their control nets."""
-        source = self.mesh if crease is None else split_at_creases(self.mesh, crease)
-        adjacency = Adjacency.of(source)
-        if not sharp:
-            adjacency = adjacency.without_neighbours()
-        patches = DevicePatchMesh.upload(
-            source.vertices, unit_normals(source.normals), adjacency, self.device
-        )
-        return patches, adjacency, nets_on_device(patches)
 
 
 class BezierScene(_Placed):

@@ -133,14 +133,11 @@ class Scene(ABC):
         World point.
     diagonal : float
         Of its extent, in world units.
-    one_sided : bool
-        Whether it is only ever seen from the front of its triangles.
     """
 
     settings: Settings
     centre: Point
     diagonal: float
-    one_sided: bool = False
 
     @abstractmethod
     def camera(self) -> Camera:
@@ -149,6 +146,10 @@ class Scene(ABC):
     def floor(self, x: float, y: float) -> float:
         """Return the height that an eye at a world point stays above."""
         return -np.inf
+
+    def shows_fronts_alone(self, eye: Point) -> bool:
+        """Return whether an eye at a world point can see no triangle from behind."""
+        return False
 
     @abstractmethod
     def tessellated(self, request: Request) -> Frame:

@@ -8,11 +8,10 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Any, Final, TypeVar
 
 from ..arguments import finite, one_of
-from ..errors import InputError
 from ..layout import DEFAULT_TILE, PARTITIONINGS
 
 _Own = TypeVar("_Own", bound="Settings")
@@ -178,8 +177,8 @@ class Settings(ABC):
         InputError
             If there is no such setting, or it cannot have that value.
         """
-        if name not in {setting.name for setting in fields(self)}:
-            raise InputError(f"unknown setting {name!r}")
+        known = [choice.name for choice in self.choices]
+        one_of("setting", name, [*known, *(slider.name for slider in self.numbers)])
         for choice in self.choices:
             if choice.name == name and isinstance(choice.values[0], str):
                 one_of(name, value, choice.values)

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 _FRUSTUM: Final = (0.95, 0.80, 0.10)
 _MARK: Final = (0.95, 0.10, 0.60)
 _TEXT_SIZE: Final = 14
+_GLASS: Final = 0.65  # opacity of what texts and controls stand on
 # a quad over the whole picture, behind everything: only pixels that nothing covers are shaded
 _SKY_VERTICES: Final = """//VTK::System::Dec
 in vec4 vertexMC;
@@ -88,6 +89,7 @@ class Stage:
         for actor in (self.surface, self.frustum, self.mark):
             actor.visibility = False
         self._add_sky()
+        self._panel = self._add_panel()
         self._readout, self._footer = self._text(0.99, "Top"), self._text(0.01, "Bottom")
 
     @property
@@ -115,7 +117,6 @@ class Stage:
             paint.drape.lay(mesh, surface, self.surface)
         self.surface.mapper.SetInputData(surface)
         self.surface.prop.show_edges = frame.request.settings.mode == "wireframe"
-        self.surface.prop.culling = "back" if frame.scene.one_sided else "none"
 
     def show_frustum(self, camera: Camera | None, reach: float) -> None:
         """Draw what a camera sees as lines `reach` deep; nothing for None."""
@@ -134,8 +135,16 @@ class Stage:
         self._readout.SetInput(readout)
         self._footer.SetInput(footer)
 
-    def draw(self, camera: Camera) -> None:
-        """Draw everything as `camera` sees it."""
+    def show_panel(self, height: float) -> None:
+        """Lay a light ground under controls at the upper right, a share of the window high."""
+        left, low = 0.785, 1 - height
+        corners = [[left, low, 0], [0.995, low, 0], [0.995, 0.99, 0], [left, 0.99, 0]]
+        self._panel.GetMapper().GetInput().points = np.array(corners, np.float32)
+        self._panel.SetVisibility(height > 0)
+
+    def draw(self, camera: Camera, *, fronts_alone: bool) -> None:
+        """Draw everything as `camera` sees it; with `fronts_alone` no triangle from behind."""
+        self.surface.prop.culling = "back" if fronts_alone else "none"
         stand(self.plotter.camera, camera, self.origin)
         self.plotter.renderer.ResetCameraClippingRange()
         self.plotter.render_window.Render()
@@ -179,6 +188,24 @@ class Stage:
         shader.SetVertexShaderCode(_SKY_VERTICES)
         shader.SetFragmentShaderCode(_SKY_FRAGMENTS)
 
+    def _add_panel(self) -> Any:
+        import pyvista
+        from vtkmodules.vtkRenderingCore import vtkActor2D, vtkCoordinate, vtkPolyDataMapper2D
+
+        quad = pyvista.PolyData.from_regular_faces(
+            np.zeros((4, 3), np.float32), np.array([[0, 1, 2], [0, 2, 3]])
+        )
+        place, mapper, panel = vtkCoordinate(), vtkPolyDataMapper2D(), vtkActor2D()
+        place.SetCoordinateSystemToNormalizedViewport()
+        mapper.SetTransformCoordinate(place)
+        mapper.SetInputData(quad)
+        panel.SetMapper(mapper)
+        panel.GetProperty().SetColor(1.0, 1.0, 1.0)
+        panel.GetProperty().SetOpacity(_GLASS)
+        panel.SetVisibility(False)
+        self.plotter.renderer.AddViewProp(panel)
+        return panel
+
     def _text(self, y: float, side: str) -> Any:
         from vtkmodules.vtkRenderingCore import vtkTextActor
 
@@ -190,7 +217,7 @@ class Stage:
         look.SetFontSize(_TEXT_SIZE)
         look.SetColor(0.08, 0.10, 0.14)
         look.SetBackgroundColor(1.0, 1.0, 1.0)
-        look.SetBackgroundOpacity(0.65)
+        look.SetBackgroundOpacity(_GLASS)
         getattr(look, f"SetVerticalJustificationTo{side}")()
         self.plotter.renderer.AddViewProp(text)
         return text

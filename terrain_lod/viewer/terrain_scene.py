@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from ..camera import Camera
+from ..camera import Camera, Point
 from ..device import Device
 from ..drawing.viewpoint import default_camera
 from ..heightmap import Heightmap
@@ -153,7 +153,6 @@ class TerrainScene(Scene):
     device : Device, optional
     """
 
-    one_sided = True
     settings: TerrainSettings
 
     def __init__(self, ground: Heightmap, *, device: Device | None = None) -> None:
@@ -168,6 +167,12 @@ class TerrainScene(Scene):
 
     def floor(self, x: float, y: float) -> float:
         return height_at(self.ground, x, y)
+
+    def shows_fronts_alone(self, eye: Point) -> bool:
+        """Return whether an eye above the ground looks over it, not through its border or holes."""
+        (x, y), (width, depth) = self.ground.origin, self.ground.extent
+        over = x <= eye[0] <= x + width and y - depth <= eye[1] <= y
+        return self.ground.mask is None and (over or eye[2] > self.ground.height_range[1])
 
     def terrain(self, tile: int) -> Terrain:
         """Return the ground's terrain with tiles of `tile` cells, made when that changes."""

@@ -42,15 +42,12 @@ def serve(
 
     Raises
     ------
-    InputError
-        If the port is taken.
-    MissingExtraError
-        Without the extra ``[web]``.
+    InputError, MissingExtraError
+        As :func:`require_page`.
     GraphicsError
         If this machine cannot draw.
     """
-    _require_trame()
-    _require_port(host, port)
+    require_page(host, port)
     window = Window(model, camera, off_screen=True)
     try:
         window.texts_shown = False
@@ -220,7 +217,16 @@ _DENSE: Final = {"density": "compact", "hide_details": True, "classes": "mx-3 my
 _PRE: Final = "font-size: 11px; white-space: pre-wrap; margin: 8px 16px"
 
 
-def _require_trame() -> None:
+def require_page(host: str, port: int) -> None:
+    """Return where a page can be served.
+
+    Raises
+    ------
+    InputError
+        If the port is taken, or the address is not of this machine.
+    MissingExtraError
+        Without the extra ``[web]``.
+    """
     try:
         import trame.widgets.vuetify3  # noqa: F401
         import trame_pyvista  # noqa: F401
@@ -228,9 +234,6 @@ def _require_trame() -> None:
         raise MissingExtraError(
             f"expected trame for --web, got no {error.name}: install 'terrain_lod[web]'"
         ) from None
-
-
-def _require_port(host: str, port: int) -> None:
     with socket.socket() as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
@@ -238,5 +241,6 @@ def _require_port(host: str, port: int) -> None:
         except (OSError, OverflowError) as error:
             reason = getattr(error, "strerror", None) or error
             raise InputError(
-                f"cannot listen on {host}, port {port} ({reason}): choose another with --port"
+                f"cannot listen on {host}, port {port} ({reason}): choose another with --port or "
+                "--host"
             ) from None

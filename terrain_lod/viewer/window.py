@@ -3,10 +3,15 @@
 Input only changes what is wanted; :meth:`Window.pump`, called some sixty times a second, shows the
 newest frame and draws. Meshes are made on the engine's thread, so neither input nor drawing waits
 for one.
+
+While a window is open, Python's collector of cycles runs here alone: on the engine's thread it
+would end objects of VTK's, and VTK would wait for itself.
 """
 
 from __future__ import annotations
 
+import gc
+import math
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
@@ -26,6 +31,7 @@ from .viewer_camera import Rig
 _PATIENCE: Final = 0.1  # seconds
 _LOOK_AFTER: Final = 1.0  # seconds between looks at the model's file
 _LONG: Final = 0.5  # seconds after which a mesh that is not there is worth a word
+_UNNOTED: Final = 1e-3  # how far the camera is moved without a word, in diagonals
 _FRUSTUM: Final = 0.35  # how deep it is drawn, in diagonals
 
 
@@ -60,13 +66,15 @@ class Window:
     """
 
     def __init__(self, model: Model, camera: Camera, *, off_screen: bool = False) -> None:
+        self._collected = gc.isenabled()
         self.stage = Stage(camera.size, off_screen)
+        gc.disable()
         self.plotter = self.stage.plotter
         self.model, self.engine = model, Engine(model)
         self.settings: Settings = model.scene.settings
-        self.home = self.rig = Rig.of(camera).within(model.scene)
         self.frame: Frame | None = None
         self.note = ""
+        self.home = self.rig = self._held(Rig.of(camera))
         self.draw_seconds = 0.0
         self.texts_shown = True
         self._scene = model.scene
@@ -93,10 +101,19 @@ class Window:
 
     def drive(self, rig: Rig) -> None:
         """Move the camera, as far as the ground lets it, and want the mesh for it."""
-        self.rig = rig.within(self.model.scene)
+        self.rig = self._held(rig)
         self._dirty = True
         if self._frozen is None:
             self.ask()
+
+    def _held(self, rig: Rig) -> Rig:
+        """Return the rig kept where there is something to see; note it if that is elsewhere."""
+        scene = self.model.scene
+        held = rig.within(scene)
+        moved = math.dist(replace(rig, pitch=held.pitch).eye, held.eye)
+        if not moved < _UNNOTED * scene.diagonal:
+            self.note = "the camera stays above the ground and near it"
+        return held
 
     def change(self, name: str, value: Any) -> None:
         """Change a setting; see :meth:`Settings.changed`."""
@@ -146,13 +163,14 @@ class Window:
         return True
 
     def _listen(self) -> None:
-        """Note what goes wrong or takes long, and once a second what became of the file."""
+        """Note what goes wrong or takes long; once a second tidy up, and look at the file."""
         news = self.engine.problem if self.engine.problem != self._problem else None
         self._problem = self.engine.problem
         late = self.engine.working and perf_counter() - self._asked_at > _LONG
         self._dirty, self._late = self._dirty or late != self._late, late
         if perf_counter() - self._looked > _LOOK_AFTER:
             self._looked = perf_counter()
+            gc.collect(1)
             news = news or self.model.news()
         if news is not None:
             self.note, self._dirty = news, True
@@ -162,7 +180,9 @@ class Window:
         self._dirty, self._waiting = False, None
         begun = perf_counter()
         self.stage.write("\n".join(self.lines()) if self.texts_shown else "", self.note)
-        self.stage.draw(self.camera)
+        scene = self.model.scene if self.frame is None else self.frame.scene
+        fronts_alone = self._frozen is None and scene.shows_fronts_alone(self.rig.eye)
+        self.stage.draw(self.camera, fronts_alone=fronts_alone)
         self.draw_seconds = perf_counter() - begun
 
     def settle(self, seconds: float = 60.0, *, measured: bool = False) -> Frame:
@@ -226,6 +246,9 @@ class Window:
         """End the engine and the window."""
         self.engine.close()
         self.plotter.close()
+        if self._collected:
+            gc.enable()
+        gc.collect()
 
     def _show(self, frame: Frame) -> None:
         self.frame, self._dirty = frame, True
