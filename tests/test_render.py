@@ -268,7 +268,7 @@ def test_sun_stands_clockwise_from_north():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"style": "cubist"}, "expected one of shaded, wireframe, lod"),
+        ({"style": "cubist"}, "expected one of shaded, plain, wireframe, lod"),
         (
             {"style": "lod", "factor_range": (3.0, 3.0)},
             r"factor_range that rises, got \(3.0, 3.0\)",

@@ -66,8 +66,9 @@ def render(
         Where to write the picture as PNG.
     style : str, optional
         ``"shaded"``: sunlit ground, tinted by height, with haze. ``"plain"``: sunlit, all of one
-        colour, for what is no ground. ``"wireframe"``: its triangles, hidden ones left out. ``"lod"``: a colour a patch, by its inside factors: red the most detail of
-        `factor_range`, then yellow, green and blue, black the least.
+        colour, for what is no ground. ``"wireframe"``: its triangles, hidden ones left out.
+        ``"lod"``: a colour a patch, by its inside factors: red the most detail of `factor_range`,
+        then yellow, green and blue, black the least.
     sun : (float, float), optional
         Where the light comes from: degrees clockwise from north, degrees above the horizon.
     height_range : (float, float), optional
