@@ -12,6 +12,8 @@ from terrain_lod.drawing.render import render
 from terrain_lod.files.mesh_loading import load_mesh
 from terrain_lod.measure.cracks import crack_report
 
+SUN = (215.0, 45.0)
+
 
 def camera_at(mesh: tl.Mesh) -> tl.Camera:
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
@@ -37,8 +39,8 @@ for name, path, sharp in (
     outline = pn_triangles(mesh, lod=SilhouetteFactor(), camera=camera, sharp=sharp)
     print(f"{name}: {mesh} -> {smooth}, {crack_report(smooth)}")
     pictures = [
-        render(mesh, camera),
-        render(smooth, camera),
+        render(mesh, camera, style="plain", sun=SUN),
+        render(smooth, camera, style="plain", sun=SUN),
         render(mesh, camera, style="wireframe"),
         render(smooth, camera, style="wireframe"),
         render(outline, camera, style="wireframe"),

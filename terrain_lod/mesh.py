@@ -161,4 +161,5 @@ class Mesh:
         return mesh_html(self)
 
     def __repr__(self) -> str:
-        return f"Mesh({len(self.vertices)} vertices, {len(self.triangles)} triangles)"
+        kind = type(self).__name__
+        return f"{kind}({len(self.vertices)} vertices, {len(self.triangles)} triangles)"

@@ -99,6 +99,23 @@ def test_lod_colours_stand_where_their_patches_project():
 
 
 @needs_graphics
+def test_plain_has_one_colour_whatever_the_height():
+    mesh, camera = tiles_of([[15.0, 15.0]]), over(15.0, -10.0)
+    picture = render(mesh, camera, style="plain")
+    low, high = (pixel_at(picture, camera, tile_centre(0, column)) for column in range(2))
+    assert (low == high).all()
+    assert (low != picture[0, 0]).all()
+    # below zero it is no sea
+    sunk = replace(mesh, origin=mesh.origin - (0, 0, 500))
+    below = replace(
+        camera,
+        eye=tuple(np.subtract(camera.eye, (0, 0, 500))),
+        target=tuple(np.subtract(camera.target, (0, 0, 500))),
+    )
+    np.testing.assert_array_equal(render(sunk, below, style="plain"), picture)
+
+
+@needs_graphics
 @pytest.mark.parametrize("size", [(200, 160), (160, 200), (64, 64), (301, 77)])
 @pytest.mark.parametrize("fov", [5.0, 60.0, 120.0, "parallel"])
 def test_outline_is_where_the_camera_projects_it(size, fov):
@@ -251,7 +268,7 @@ def test_sun_stands_clockwise_from_north():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"style": "cubist"}, "expected one of shaded, wireframe, lod"),
+        ({"style": "cubist"}, "expected one of shaded, plain, wireframe, lod"),
         (
             {"style": "lod", "factor_range": (3.0, 3.0)},
             r"factor_range that rises, got \(3.0, 3.0\)",

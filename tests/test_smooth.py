@@ -138,6 +138,7 @@ def test_the_origin_goes_along() -> None:
     smooth = pn_triangles(far, 3)
     np.testing.assert_array_equal(smooth.origin, far.origin)
     assert smooth.crs == "EPSG:1"
+    assert repr(smooth) == f"CurvedMesh({len(smooth.vertices)} vertices, 3328 triangles)"
     # and cameras are in the world
     camera = tl.Camera((5e5 + 9, 4e6, 9), tuple(far.origin))
     near = tl.Camera((9, 0, 0), (0, 0, 0))

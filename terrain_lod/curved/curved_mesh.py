@@ -12,7 +12,7 @@ from ..layout import FIXED_ONE
 from ..mesh import Mesh
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class CurvedMesh(Mesh):
     """A mesh, and where each of its vertices lies on the triangles that it was made from.
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 Picture = npt.NDArray[np.uint8]
 """(H, W, 3) red, green, blue; row 0 at the top."""
 
-STYLES: Final = ("shaded", "wireframe", "lod")
+STYLES: Final = ("shaded", "plain", "wireframe", "lod")
 
 # drawn this many times larger along both axes, then averaged: smooth edges and lines
 _OVERSAMPLING: Final = 2
@@ -37,6 +37,7 @@ _LARGEST_WINDOW: Final = 8192  # pixels along one axis, in reach of every driver
 HORIZON: Final = (0.82, 0.87, 0.91)
 ZENITH: Final = (0.42, 0.60, 0.80)
 _PAPER: Final = (0.97, 0.97, 0.95)
+_CLAY: Final = (0.86, 0.80, 0.72)
 INK: Final = (0.10, 0.14, 0.20)
 _LINE_WIDTH: Final = 1.0  # of the enlarged picture's pixels
 _NIGHT: Final = (0.16, 0.17, 0.19)  # behind LOD colours, so that black patches stand out
@@ -64,9 +65,10 @@ def render(
     path : str or Path, optional
         Where to write the picture as PNG.
     style : str, optional
-        ``"shaded"``: sunlit, tinted by height, with haze. ``"wireframe"``: its triangles, hidden
-        ones left out. ``"lod"``: a colour a patch, by its inside factors: red the most detail of
-        `factor_range`, then yellow, green and blue, black the least.
+        ``"shaded"``: sunlit ground, tinted by height, with haze. ``"plain"``: sunlit, all of one
+        colour, for what is no ground. ``"wireframe"``: its triangles, hidden ones left out.
+        ``"lod"``: a colour a patch, by its inside factors: red the most detail of `factor_range`,
+        then yellow, green and blue, black the least.
     sun : (float, float), optional
         Where the light comes from: degrees clockwise from north, degrees above the horizon.
     height_range : (float, float), optional
@@ -105,6 +107,9 @@ def render(
         colours = lit(np.ones_like(mesh.vertices), mesh.normals, direction)
     elif style == "shaded":
         colours = _shaded(mesh, camera, direction, height_range)
+    elif style == "plain":
+        clay = np.broadcast_to(np.asarray(_CLAY, np.float32), mesh.vertices.shape)
+        colours = lit(clay, mesh.normals, direction)
     elif style == "lod":
         colours = _by_detail(mesh, direction, factor_range)
     else:
@@ -249,7 +254,7 @@ def _screenshot(plotter: pyvista.Plotter) -> Picture:
 def _background(camera: Camera, rows: int, style: str) -> Picture:
     """Return what is behind the ground, a colour a row: (rows, 1, 3)."""
     if style != "shaded":
-        plain = np.asarray(_PAPER if style == "wireframe" else _NIGHT, np.float32)
+        plain = np.asarray(_NIGHT if style == "lod" else _PAPER, np.float32)
         return np.broadcast_to(to_bytes(plain), (rows, 1, 3))
     # how far up the middle of each row looks; the sky is palest at the horizon, or at the middle
     # of a picture that looks down
