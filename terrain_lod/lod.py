@@ -227,15 +227,16 @@ class ScreenErrorLod(PromiseLod):
 
 @dataclass(frozen=True)
 class BudgetLod(PromiseLod):
-    """The least error that a number of triangles can give: in pixels, without a camera in metres.
+    """The least error that a number of triangles can give.
+
+    In pixels; in metres without a camera, or where `metres` are given.
 
     Parameters
     ----------
     triangles : int
         The most that the mesh may have.
     pixels, metres : float, optional
-        Error that need not be bettered, with and without a camera: fewer triangles are used where
-        they suffice.
+        Error that need not be bettered, one of both: fewer triangles are used where they suffice.
     """
 
     triangles: int
@@ -247,6 +248,16 @@ class BudgetLod(PromiseLod):
         for name in ("pixels", "metres"):
             if finite(name, getattr(self, name)) < 0:
                 raise InputError(f"expected {name} >= 0, got {getattr(self, name):g}")
+        if self.pixels and self.metres:
+            raise InputError(
+                f"expected pixels or metres to be enough, got both: {self.pixels:g} pixels, "
+                f"{self.metres:g} metres"
+            )
+
+    @property
+    def needs_camera(self) -> bool:  # type: ignore[override]
+        """Pixels are a camera's."""
+        return self.pixels > 0
 
 
 @dataclass(frozen=True)

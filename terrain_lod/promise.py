@@ -82,12 +82,10 @@ class Promise:
         """Return the cheapest mesh found that keeps what `lod` promises."""
         if lod.triangles is None:
             return self._within(lod.metres, lod.pixels)
-        if self.has_camera and lod.metres:
-            raise InputError(
-                f"expected pixels to be enough for a budget at a camera, got metres={lod.metres:g}: "
-                "leave the camera out, or give pixels"
-            )
-        return self._least_error(lod.triangles, lod.pixels if self.has_camera else lod.metres)
+        # metres ask for an error in metres, whatever the camera sees
+        if self.has_camera and not lod.metres:
+            return self._least_error(lod.triangles, lod.pixels, in_pixels=True)
+        return self._least_error(lod.triangles, lod.metres, in_pixels=False)
 
     def _within(self, metres: float, pixels: float) -> Kept:
         selection = Selection.start(
@@ -128,13 +126,17 @@ class Promise:
         )
         return Kept(selection.factors, pattern, achieved)
 
-    def _least_error(self, triangles: int, enough: float) -> Kept:
+    def _least_error(self, triangles: int, enough: float, *, in_pixels: bool) -> Kept:
         """Return the mesh of at most so many `triangles` with the least error above `enough`."""
+
+        def at(error: float) -> Kept:
+            return self._within(*((np.inf, error) if in_pixels else (error, np.inf)))
+
         low, high = max(enough, _SMALLEST), _LARGEST
-        best = self._at(low)
+        best = at(low)
         if best.triangle_count <= triangles:
             return best
-        best = self._at(high)
+        best = at(high)
         if best.triangle_count > triangles:
             raise InputError(
                 f"expected a budget of at least {best.triangle_count} triangles for the patches "
@@ -143,12 +145,9 @@ class Promise:
         # halve the range of errors, by their logarithm, around the budget
         for _ in range(_HALVINGS):
             middle = float(np.sqrt(low * high))
-            found = self._at(middle)
+            found = at(middle)
             if found.triangle_count > triangles:
                 low = middle
             else:
                 best, high = found, middle
         return best
-
-    def _at(self, error: float) -> Kept:
-        return self._within(*((np.inf, error) if self.has_camera else (error, np.inf)))

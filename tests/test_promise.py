@@ -129,10 +129,15 @@ def test_both_caps_together() -> None:
     assert short.achieved.metres > 0.1
 
 
-def test_metres_are_no_cap_at_a_camera() -> None:
-    ground = GROUNDS["rough"]
-    with pytest.raises(tl.InputError, match="expected pixels to be enough"):
-        tl.Terrain(ground).mesh(cameras_over(ground, 1)[0], lod=tl.BudgetLod(10**6, metres=5.0))
+def test_a_budget_in_metres_is_one_at_a_camera_too() -> None:
+    terrain, camera = tl.Terrain(GROUNDS["rough"]), cameras_over(GROUNDS["rough"], 1)[0]
+    lod = tl.BudgetLod(10**6, metres=5.0)
+    culled, whole = terrain.mesh(camera, lod=lod), terrain.mesh(camera, lod=lod, cull=False)
+    assert len(culled.triangles) < len(whole.triangles)
+    assert len(whole.triangles) == len(terrain.mesh(lod=lod).triangles)
+    assert tl.vertical_error(whole, GROUNDS["rough"]).maximum <= 5.0
+    with pytest.raises(tl.InputError, match="needs a camera"):
+        terrain.mesh(lod=tl.BudgetLod(2000, pixels=1.0))
 
 
 def test_more_budget_means_less_error() -> None:
@@ -149,6 +154,7 @@ def test_more_budget_means_less_error() -> None:
         (lambda: tl.ScreenErrorLod(-1), "pixels > 0"),
         (lambda: tl.BudgetLod(0), "triangles"),
         (lambda: tl.BudgetLod(100, pixels=-1), "pixels >= 0"),
+        (lambda: tl.BudgetLod(100, pixels=1, metres=1), "got both"),
     ],
 )
 def test_wrong_parameters(make, message: str) -> None:

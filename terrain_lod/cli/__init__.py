@@ -25,16 +25,13 @@ from .cli_smooth import smooth
 from .cli_view import view
 from .options import (
     CameraOptions,
-    DetailMap,
     DetailOptions,
-    EdgeRule,
-    Factor,
     Ground,
     GroundOptions,
-    LodName,
+    LodOptions,
+    OverlayOptions,
     Sun,
     TerrainOptions,
-    load_detail,
 )
 from .output import PROGRAM, complain, log, progress_bar, say, say_table, set_verbosity, warn
 
@@ -103,12 +100,10 @@ def render(
     output: Output,
     style: Literal["shaded", "wireframe", "lod"] = "shaded",
     sun: Sun = None,
-    lod: LodName = "screen-error",
-    factor: Factor = None,
-    edges: EdgeRule = None,
-    overlay: DetailMap = None,
     reading: GroundOptions = GroundOptions(),  # noqa: B008
+    overlay: OverlayOptions = OverlayOptions(),  # noqa: B008
     view: CameraOptions = CameraOptions(),  # noqa: B008
+    lod: LodOptions = LodOptions(),  # noqa: B008
     detail: DetailOptions = DetailOptions(),  # noqa: B008
     terrain: TerrainOptions = TerrainOptions(),  # noqa: B008
     many: PathOptions = PathOptions(),  # noqa: B008
@@ -126,18 +121,6 @@ def render(
         much detail, through green and blue to black for those with little.
     sun
         Where the light comes from: degrees clockwise from north, degrees above the horizon.
-    lod
-        screen-error, max-error: the fewest triangles within so many pixels or metres, measured.
-        budget: the least error of so many triangles. coplanarity: near and rough ground gets more.
-        distance: near ground does. uniform: all alike.
-    factor
-        Segments along a tile's edge. Of uniform alone. Default: the cells of a tile.
-    edges
-        Factor of an edge between two tiles: the lower of what they want, the higher, or by the
-        edge's own error. Default: edge where an error is kept, else min.
-    overlay
-        A raster that is added all over the ground, again and again. Its spacing is a whole part of
-        the ground's, and becomes that of tiles and errors.
     """
     from ..drawing.graphics import require_graphics
     from ..drawing.render import render as draw
@@ -145,18 +128,18 @@ def render(
 
     if not many.many:
         require_png(output)
-    chosen = detail.make(lod, terrain.tile, factor)
+    chosen = detail.make(lod.lod, terrain.tile, lod.factor)
     beside = many.second(detail, terrain.tile)
     require_graphics()
-    heights, added = reading.load(ground), load_detail(overlay)
+    heights, added = reading.load(ground), overlay.load()
     camera = view.over(heights)
     log("%r", heights)
     options: dict[str, Any] = {"style": style} if sun is None else {"style": style, "sun": sun}
     if many.many:
         made = terrain.make(heights, added)
-        return many.render(made, camera, output, [chosen, *beside], edges, **options)
-    options |= {"drape": many.drape(heights), "edges": many.triangles}
-    mesh = terrain.make(heights, added).mesh(camera, lod=chosen, edges=edges)
+        return many.render(made, camera, output, [chosen, *beside], lod.edges, **options)
+    options |= {"drape": many.drape(heights), "edges": many.wireframe}
+    mesh = terrain.make(heights, added).mesh(camera, lod=chosen, edges=lod.edges)
     log("%r from %r", mesh, chosen)
     draw(mesh, camera, output, height_range=heights.height_range, **options)
     say(f"{output}: {_counts(mesh)}")
@@ -170,12 +153,10 @@ def mesh(
     *,
     output: Output,
     cull: Annotated[bool, Parameter(show_default=False)] = False,
-    lod: LodName = "screen-error",
-    factor: Factor = None,
-    edges: EdgeRule = None,
-    overlay: DetailMap = None,
     reading: GroundOptions = GroundOptions(),  # noqa: B008
+    overlay: OverlayOptions = OverlayOptions(),  # noqa: B008
     view: CameraOptions = CameraOptions(),  # noqa: B008
+    lod: LodOptions = LodOptions(),  # noqa: B008
     detail: DetailOptions = DetailOptions(),  # noqa: B008
     terrain: TerrainOptions = TerrainOptions(),  # noqa: B008
 ) -> None:
@@ -189,18 +170,6 @@ def mesh(
         File to write: .glb, .obj, .ply, .stl or .vtp.
     cull
         Leave out patches that the camera does not see.
-    lod
-        screen-error, max-error: the fewest triangles within so many pixels or metres, measured.
-        budget: the least error of so many triangles. coplanarity: near and rough ground gets more.
-        distance: near ground does. uniform: all alike.
-    factor
-        Segments along a tile's edge. Of uniform alone. Default: the cells of a tile.
-    edges
-        Factor of an edge between two tiles: the lower of what they want, the higher, or by the
-        edge's own error. Default: edge where an error is kept, else min.
-    overlay
-        A raster that is added all over the ground, again and again. Its spacing is a whole part of
-        the ground's, and becomes that of tiles and errors.
     """
     from ..files.export import FORMATS
     from ..measure.cracks import crack_report
@@ -208,11 +177,11 @@ def mesh(
 
     require_folder(output)
     one_of("mesh format", output.suffix.lower(), FORMATS)
-    chosen = detail.make(lod, terrain.tile, factor)
-    heights, added = reading.load(ground), load_detail(overlay)
+    chosen = detail.make(lod.lod, terrain.tile, lod.factor)
+    heights, added = reading.load(ground), overlay.load()
     camera = view.over(heights)
     log("%r", heights)
-    made = terrain.make(heights, added).mesh(camera, lod=chosen, edges=edges, cull=cull)
+    made = terrain.make(heights, added).mesh(camera, lod=chosen, edges=lod.edges, cull=cull)
     log("%r from %r", made, chosen)
     made.save(output)
     say(f"{output}: {_counts(made)}")

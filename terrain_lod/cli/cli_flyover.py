@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from ..drawing.drape import Drape
 
 _PATH: Final = Group("Many pictures", sort_key=5)
+_Switch = Annotated[bool, Parameter(show_default=False)]
 
 
 @Parameter(name="*", group=_PATH)
@@ -29,9 +30,9 @@ class PathOptions:
 
     path: Annotated[Path | None, Parameter(metavar="FILE")] = None
     """JSON list of cameras to fly through; --output is a folder then, as with the next two."""
-    orbit: bool = False
+    orbit: _Switch = False
     """Once around the target."""
-    flyover: bool = False
+    flyover: _Switch = False
     """Across the ground from the south to the north."""
     frames: int = 120
     """How many pictures. Those that are there already are not made again."""
@@ -39,10 +40,10 @@ class PathOptions:
     """A second LOD, shown beside the first; screen-error keeps one pixel."""
     texture: Annotated[Path | None, Parameter(metavar="FILE")] = None
     """Picture laid over the ground in place of tints, row 0 north."""
-    triangles: bool = False
-    """Draw the triangles' edges over the picture."""
-    counts: bool = True
-    """Write the number of triangles into the pictures of a path."""
+    wireframe: _Switch = False
+    """Draw the triangles over the picture."""
+    counts: Annotated[bool, Parameter(negative="--no-counts", show_default=False)] = True
+    """Write the number of triangles into the pictures of a path, or do not."""
 
     @property
     def many(self) -> bool:
@@ -86,7 +87,7 @@ class PathOptions:
 
         cameras = self.cameras(terrain, camera)
         chosen = Look(
-            drape=self.drape(terrain.ground), edges=self.triangles, counts=self.counts, **look
+            drape=self.drape(terrain.ground), edges=self.wireframe, counts=self.counts, **look
         )
         with progress_bar("drawing") as progress:
             paths = render_path(

@@ -85,15 +85,29 @@ class GroundOptions:
         return load(name, **overrides)
 
 
-DetailMap = Annotated[Path | None, Parameter(name="--detail", group=_GROUND, metavar="FILE")]
-"""A raster file to lay over the ground."""
+@Parameter(name="*", group=_GROUND)
+@dataclass(frozen=True)
+class OverlayOptions:
+    """What is laid over the ground."""
 
+    detail: Annotated[Path | None, Parameter(metavar="FILE")] = None
+    """A raster that is added all over the ground, again and again. Its spacing is a whole part of
+    the ground's, and becomes that of tiles and errors."""
+    detail_spacing: _Spacing = None
+    """Distance between its samples, instead of what the file says."""
+    detail_range: _Range = None
+    """Heights that the lowest and the highest value of an image of detail stand for."""
 
-def load_detail(path: Path | None) -> Heightmap | None:
-    """Return what is laid over the ground, if anything is."""
-    from ..files.loading import load
-
-    return None if path is None else load(path)
+    def load(self) -> Heightmap | None:
+        """Return the detail, if there is any."""
+        given = {name.removeprefix("detail_"): value for name, value in vars(self).items() if value}
+        path = given.pop("detail", None)
+        if path is not None:
+            ranges = {"height_range": given["range"]} if "range" in given else {}
+            return GroundOptions(spacing=given.get("spacing"), **ranges).load(str(path))
+        if given:
+            raise InputError(f"expected --detail with --detail-{next(iter(given))}, got none")
+        return None
 
 
 @Parameter(name="*", group=_CAMERA)
@@ -148,12 +162,7 @@ def _camera_file(path: Path) -> Camera:
     return Camera(**content)
 
 
-LodName = Annotated[
-    Literal["screen-error", "max-error", "budget", "coplanarity", "distance", "uniform"],
-    Parameter(group=_DETAIL),
-]
-Factor = Annotated[float | None, Parameter(group=_DETAIL)]
-EdgeRule = Annotated[Literal["min", "max", "edge"] | None, Parameter(group=_DETAIL)]
+LodName = Literal["screen-error", "max-error", "budget", "coplanarity", "distance", "uniform"]
 FormulaEdgeRule = Annotated[Literal["min", "max"], Parameter(group=_DETAIL)]
 
 
@@ -165,7 +174,7 @@ class DetailOptions:
     pixels: float | None = None
     """Error in the picture: to keep, of screen-error (default: 1); good enough, of budget."""
     metres: float | None = None
-    """Vertical error: to keep, of max-error; good enough, of budget without --pixels."""
+    """Vertical error: to keep, of max-error; good enough, of budget, which then goes by it."""
     triangles: int | None = None
     """The most triangles. Of budget alone."""
     near: float | None = None
@@ -184,7 +193,7 @@ class DetailOptions:
     flat_weight: float | None = None
     """Share of its distance's detail that a flat tile keeps. Of coplanarity alone."""
 
-    def make(self, name: str, tile: int, factor: float | None) -> Lod | PromiseLod:
+    def make(self, name: str, tile: int, factor: float | None = None) -> Lod | PromiseLod:
         """Return the level of detail called `name`, or say which option is not one of its."""
         given = self._given() if factor is None else {"factor": factor, **self._given()}
         for option in given:
@@ -214,6 +223,22 @@ class DetailOptions:
 
     def _given(self) -> dict[str, Any]:
         return {name: value for name, value in vars(self).items() if value is not None}
+
+
+@Parameter(name="*", group=_DETAIL)
+@dataclass(frozen=True)
+class LodOptions:
+    """Which level of detail."""
+
+    lod: LodName = "screen-error"
+    """screen-error, max-error: the fewest triangles within so many pixels or metres, measured.
+    budget: the least error of so many triangles. coplanarity: near and rough ground gets more.
+    distance: near ground does. uniform: all alike."""
+    factor: float | None = None
+    """Segments along a tile's edge. Of uniform alone. Default: the cells of a tile."""
+    edges: Literal["min", "max", "edge"] | None = None
+    """Factor of an edge between two tiles: the lower of what they want, the higher, or by the
+    edge's own error. Default: edge where an error is kept, else min."""
 
 
 # options without which a level of detail means nothing
