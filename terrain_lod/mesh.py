@@ -69,7 +69,8 @@ class Achieved:
     metres : float
         Largest vertical error, in the raster's unit.
     pixels : float or None
-        Bound of the largest error in the picture; None without a camera.
+        Bound of the largest error in the picture; None without a camera, infinite where a budget
+        leaves no bound.
     kept : bool
         Whether that is within what was asked for.
     rounds : int

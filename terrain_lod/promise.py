@@ -9,7 +9,7 @@ meshed in full, which is exact. What is promised is what was measured last.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
@@ -137,6 +137,10 @@ class Promise:
         if best.triangle_count <= triangles:
             return best
         best = at(high)
+        if best.triangle_count > triangles and in_pixels:
+            # beside the eye no vertical error is few enough pixels: then none is promised
+            best = self._within(_LARGEST, np.inf)
+            best = replace(best, achieved=replace(best.achieved, pixels=np.inf))
         if best.triangle_count > triangles:
             raise InputError(
                 f"expected a budget of at least {best.triangle_count} triangles for the patches "

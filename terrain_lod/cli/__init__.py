@@ -9,6 +9,7 @@ import os
 import sys
 from collections.abc import Sequence
 from importlib.metadata import version
+from math import isfinite
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal
 
@@ -230,7 +231,8 @@ def _counts(mesh: Any) -> str:
 
 def _achieved(achieved: Any) -> str:
     """Say what a promise came to, and whether that is what was asked for."""
-    pixels = "" if achieved.pixels is None else f"{achieved.pixels:.3g} pixels, "
+    seen = achieved.pixels is not None and isfinite(achieved.pixels)
+    pixels = f"{achieved.pixels:.3g} pixels, " if seen else ""
     missed = "" if achieved.kept else ": the best that this raster and tile can show"
     return f"within {pixels}{achieved.metres:.3g} m{missed}"
 
