@@ -31,7 +31,9 @@ def meshes(tmp_path: Path) -> dict[str, Path]:
     }
 
 
-@pytest.mark.parametrize("options", [[], ["--lod", "silhouette", "--sharp"]], ids=str)
+@pytest.mark.parametrize(
+    "options", [[], ["--lod", "silhouette", "--sharp"], ["--lod", "distance"]], ids=str
+)
 @pytest.mark.parametrize(
     "name", ["ant.ply", "nut.ply", "torus.obj", "cone.vtp", "c.glb", "cube.vtk"]
 )
@@ -74,6 +76,7 @@ def test_sharp_keeps_the_cube(meshes: dict[str, Path], tmp_path: Path) -> None:
         (["nan.ply"], "finite positions"),
         (["cube.vtk", "--pixels", "4"], "--lod length or curvature with --pixels"),
         (["cube.vtk", "--sharp", "--crease", "200"], "0 to 180"),
+        (["cube.vtk", "--crease", "20"], "expected --sharp with --crease"),
         (["cube.vtk", "--lod", "length", "--eye", "1,1,1", "--target", "1,1,1"], "away from"),
     ],
 )
@@ -96,6 +99,7 @@ def test_bad_input_is_one_line_and_nothing_is_written(
     assert run(["smooth", str(tmp_path / file), "-o", str(output), *options]) == REFUSED
     error = capsys.readouterr().err.strip().splitlines()
     assert message in error[-1]
+    assert not any("into 0 triangles" in line for line in error)
     assert sum("expected" in line for line in error) == 1
     assert not output.exists()
 

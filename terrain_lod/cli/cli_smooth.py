@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final, Literal, get_args
 
 import numpy as np
+import numpy.typing as npt
 from cyclopts import Group, Parameter
 
 from ..arguments import one_of
@@ -37,9 +38,9 @@ class EdgeOptions:
     factor: float | None = None
     """Segments along every edge, 1 to 64. Of uniform alone. Default: 5."""
     near: float | None = None
-    """Distance with the most segments. Of distance alone. Default: 0."""
+    """Distance with the most segments. Of distance alone. Default: where the mesh may begin."""
     far: float | None = None
-    """Distance with the fewest. Of distance alone. Default: the diagonal of the mesh."""
+    """Distance with the fewest. Of distance alone. Default: a diagonal of the mesh farther."""
     pixels: float | None = None
     """Of length: along a segment, default 8. Of curvature: off the curve, default 0.5."""
     cosine: float | None = None
@@ -74,7 +75,7 @@ def smooth(
     output: Annotated[Path, Parameter(alias="-o", metavar="FILE")],
     lod: Annotated[LodName, Parameter(group=_DETAIL)] = "uniform",
     sharp: bool = False,
-    crease: float = _CREASE,
+    crease: float | None = None,
     normals: Literal["quadratic", "linear"] = "quadratic",
     partitioning: Literal[
         "fractional_odd", "fractional_even", "integer", "pow2", "semi_uniform"
@@ -99,7 +100,7 @@ def smooth(
         Keep edges sharp at which faces meet at more than the crease angle. Edges at which the
         file's own normals differ are sharp anyway.
     crease
-        Degrees, 0 to 180. With --sharp.
+        Degrees, 0 to 180. With --sharp. Default: 30.
     normals
         quadratic: of the curved surface. linear: as shading would blend them.
     partitioning
@@ -107,6 +108,7 @@ def smooth(
     device
         cpu, gpu, a number or part of a name, see doctor. Default: a GPU if there is one.
     """
+    from ..curved.patch_factors import DistanceFactor
     from ..curved.smooth import pn_triangles
     from ..device import Device
     from ..files.export import FORMATS
@@ -114,14 +116,19 @@ def smooth(
 
     require_folder(output)
     one_of("mesh format", output.suffix.lower(), FORMATS)
+    if crease is not None and not sharp:
+        raise InputError(f"expected --sharp with --crease, got --crease {crease:g} alone")
     formula = detail.make(lod)
     source = _load(mesh)
+    camera = _camera(view, source)
+    if isinstance(formula, DistanceFactor) and detail.near is detail.far is None:
+        formula = replace(formula, near=_nearest(camera, source))
     made = pn_triangles(
         source,
         lod=formula,
-        camera=_camera(view, source) if formula.needs_camera else None,
+        camera=camera if formula.needs_camera else None,
         normals=normals,
-        sharp=crease if sharp else True,
+        sharp=(_CREASE if crease is None else crease) if sharp else True,
         partitioning=partitioning,
         cull=False,
         device=Device.open(device),
@@ -147,7 +154,18 @@ def _load(path: Path) -> Mesh:
 
 def _camera(options: CameraOptions, mesh: Mesh) -> Camera:
     """Return the camera that was asked for; what is missing comes from a look at the mesh."""
+    middle, diagonal = _middle_and_diagonal(mesh)
+    eye = middle + np.array(_EYE) * diagonal
+    return options.instead_of(Camera(tuple(eye.tolist()), tuple(middle.tolist()), fov=45.0))
+
+
+def _nearest(camera: Camera, mesh: Mesh) -> float:
+    """Return how far the sphere around the mesh's bounds is from the eye."""
+    middle, diagonal = _middle_and_diagonal(mesh)
+    return max(0.0, float(np.linalg.norm(middle - camera.eye)) - diagonal / 2)
+
+
+def _middle_and_diagonal(mesh: Mesh) -> tuple[npt.NDArray[np.float64], float]:
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     middle = (low.astype(np.float64) + high) / 2 + mesh.origin
-    eye = middle + np.array(_EYE) * float(np.linalg.norm(high - low))
-    return options.instead_of(Camera(tuple(eye.tolist()), tuple(middle.tolist()), fov=45.0))
+    return middle, float(np.linalg.norm(high - low))

@@ -145,7 +145,7 @@ def _triangles_of(data: Any, path: Path) -> Any:
     dropped = data.n_lines + data.n_verts
     if dropped:
         _log.info("%s: dropping %d lines and points", path, dropped)
-    if not data.is_all_triangles:
+    if data.n_cells > dropped and not data.is_all_triangles:
         # VTK follows any index: look at them first
         corners = pyvista.convert_array(data.GetPolys().GetConnectivityArray())
         require_sound(data.points, corners.reshape(-1, 1), f"a mesh in {path.name}")
