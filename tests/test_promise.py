@@ -73,6 +73,17 @@ def test_pixels(name: str, tile: int) -> None:
         assert not found.maximum > mesh.achieved.pixels + 1e-4
 
 
+def test_what_is_chosen_holds_when_it_is_measured() -> None:
+    rounds = [
+        tl.Terrain(ground, tile=tile).mesh(lod=tl.MaxErrorLod(metres)).achieved.rounds
+        for ground in GROUNDS.values()
+        for tile in (7, 15, 31)
+        for metres in (0.5, 3.0, 20.0)
+    ]
+    # but for roundings
+    assert rounds.count(1) >= 0.8 * len(rounds)
+
+
 @pytest.mark.parametrize("edges", ["min", "max", "edge"])
 def test_every_edge_rule_keeps_the_promise(edges: str) -> None:
     ground = GROUNDS["rough"]
