@@ -98,14 +98,15 @@ def _choose(name: str | None) -> cl.Device:
 
 
 @contextmanager
-def _named(what: str) -> Iterator[None]:
-    """Turn the driver's errors inside the block into ours, which say `what` failed."""
+def _named(*what: object) -> Iterator[None]:
+    """Turn the driver's errors inside the block into ours, which say `what` failed, as words."""
     try:
         yield
-    except cl.MemoryError as error:
-        raise DeviceMemoryError(f"{what}: the device is out of memory ({error})") from None
     except cl.Error as error:
-        raise DeviceError(f"{what}: {error}") from None
+        name = " ".join(map(str, what))
+        if isinstance(error, cl.MemoryError):
+            raise DeviceMemoryError(f"{name}: the device is out of memory ({error})") from None
+        raise DeviceError(f"{name}: {error}") from None
 
 
 class DeviceArray:
@@ -146,7 +147,7 @@ class DeviceArray:
         """Return a copy in host memory; waits for every launch before it."""
         values = np.empty(self.shape, self.dtype)
         if self.size:
-            with _named(f"reading {self!r}"):
+            with _named("reading", self):
                 cl.enqueue_copy(self.device.queue, values, self.buffer)
         return values
 
@@ -159,14 +160,14 @@ class DeviceArray:
             )
         if flat.size:
             offset = start * self.dtype.itemsize
-            with _named(f"writing {self!r}"):
+            with _named("writing", self):
                 cl.enqueue_copy(self.device.queue, self.buffer, flat, dst_offset=offset)
 
     def fill(self, value: float) -> DeviceArray:
         """Set every element to `value` and return the array."""
         if self.size:
             pattern = np.full(1, value, self.dtype)
-            with _named(f"filling {self!r}"):
+            with _named("filling", self):
                 cl.enqueue_fill_buffer(self.device.queue, self.buffer, pattern, 0, self.nbytes)
         return self
 
@@ -211,9 +212,9 @@ class Kernel:
         padded = tuple(-(-extent // local) * local for extent, local in extents)
         if 0 in padded:
             return
-        what = f"kernel {self.name} on {padded} work-items in groups of {local_size}"
         # kernel objects hold their arguments: one launch at a time
-        with self.device.lock, _named(what):
+        work = "on", padded, "work-items in groups of", local_size
+        with self.device.lock, _named("kernel", self.name, *work):
             self._handle.set_args(*values)
             event = cl.enqueue_nd_range_kernel(self.device.queue, self._handle, padded, local_size)
             self.device.record(self.stage, event)

@@ -13,6 +13,7 @@ equal to the cells then reproduce any raster::
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Final
 
 import numpy as np
@@ -87,12 +88,12 @@ class TileGrid:
         """Levels of the error ladder: the odd factors 1, 3, 5, ... up to a tile's cells."""
         return (self.tile + 1) // 2
 
-    @property
+    @cached_property
     def corner_rows(self) -> npt.NDArray[np.int64]:
         """Sample rows of the tile corners; (TR + 1,)."""
         return _corners(self.rows - 1, self.tile)
 
-    @property
+    @cached_property
     def corner_columns(self) -> npt.NDArray[np.int64]:
         """Sample columns of the tile corners; (TC + 1,)."""
         return _corners(self.columns - 1, self.tile)
