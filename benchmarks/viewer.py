@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import resource
 from collections.abc import Callable, Iterator
+from ctypes import CDLL
 from dataclasses import replace
 from pathlib import Path
 from statistics import median
@@ -27,6 +28,7 @@ from terrain_lod.viewer.controls import Controls
 from terrain_lod.viewer.model import Model
 from terrain_lod.viewer.scene import Scene
 from terrain_lod.viewer.terrain_scene import TerrainScene
+from terrain_lod.viewer.terrain_settings import TerrainSettings
 from terrain_lod.viewer.viewer_camera import Rig
 from terrain_lod.viewer.window import Window
 
@@ -141,9 +143,18 @@ def tour(controls: Controls) -> Iterator[Callable[[], None]]:
         first, *rest = choice.values
         for value in (*rest, first):
             yield lambda name=choice.name, value=value: window.change(name, value)
-            # kernels are built for each tile size and edge rule, and kept
+            # kernels are built for each tile size and edge rule, and for formulas, and kept
             for name, stop in stops if choice.name == "edges" else ():
                 yield lambda name=name, stop=stop: window.change(name, stop)
+            if choice.name == "lod":
+                for rule in ("max", "edge") if isinstance(settings, TerrainSettings) else ():
+                    yield lambda rule=rule: window.change("edges", rule)
+    # the largest meshes that there are, in every mode, in the largest window
+    yield lambda: window.apply(replace(window.settings, lod="uniform"))
+    for name in ("factor", *dict(stops)):
+        yield lambda name=name: slide(controls, name, 1.0)
+    for mode in (*settings.modes, *settings.modes):
+        yield lambda mode=mode: window.change("mode", mode)
     yield lambda: window.apply(window.model.scene.settings)
     for choice in settings.choices:
         for value in choice.values if choice.name in ("lod", "sharp") else ():
@@ -182,7 +193,10 @@ def stress(window: Window, controls: Controls, count: int) -> None:
 
 
 def resident() -> int:
-    """Return the bytes that this process holds in memory."""
+    """Return the bytes that this process holds in memory, after giving back what it can."""
+    trim = getattr(CDLL(None), "malloc_trim", None)
+    if trim is not None:
+        trim(0)
     status = Path("/proc/self/statm")
     if status.exists():
         return int(status.read_text().split()[1]) * resource.getpagesize()

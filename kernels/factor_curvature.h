@@ -38,7 +38,8 @@ inline float factor_for(float segments)
 
 inline float edge_factor(const CurvedEdge edge, const View view, __global const float *parameters)
 {
-    const float3 a = edge.curve.lifts[0], b = edge.curve.lifts[1];
+    const PnEdge curve = edge_curve(edge);
+    const float3 a = curve.lifts[0], b = curve.lifts[1];
     const float3 at_start = b * 2.0f - a * 4.0f, at_end = a * 2.0f - b * 4.0f;
     const float bend = sqrt(fmax(dot3(at_start, at_start), dot3(at_end, at_end)));
     const float nearest = eye_distance(edge, view) - 0.5f * edge_length(edge);

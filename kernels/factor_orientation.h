@@ -10,8 +10,8 @@ inline float edge_factor(const CurvedEdge edge, const View view, __global const 
 {
     const float3 towards = to_eye(edge, view);
     float cosine = 1.0f;
-    for (int i = 0; i < 2 * EDGE_SIDES; ++i)
-        cosine = fmin(cosine, fabs(dot3(edge.normals[i], towards)));
+    for (int i = 0; i < EDGE_NORMALS; ++i)
+        cosine = fmin(cosine, fabs(dot3(end_normal(edge, i), towards)));
     const float minimum = parameters[FACTOR_MINIMUM], maximum = parameters[FACTOR_MAXIMUM];
     return minimum + (maximum - minimum) * (1.0f - cosine);
 }

@@ -17,7 +17,8 @@
 inline float silhouetteness(const CurvedEdge edge, const View view, float cosine)
 {
     const float3 towards = to_eye(edge, view);
-    const float first = dot3(edge.faces[0], towards), second = dot3(edge.faces[1], towards);
+    const float first = dot3(face_normal(edge, 0), towards);
+    const float second = dot3(face_normal(edge, 1), towards);
     const float off = fmin(fabs(first), fabs(second)) / cosine;
     return edge.outline || first * second <= 0.0f ? 1.0f : 1.0f - fmin(off, 1.0f);
 }

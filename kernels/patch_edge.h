@@ -12,24 +12,47 @@
 
 #include "pn_net.h"
 
-enum { EDGE_SIDES = 2 };
+enum { EDGE_SIDES = 2, EDGE_NORMALS = 4 };
 
-// positions are relative to the mesh's origin
+// An edge; what a formula does not ask of it below, is not computed. Relative to the mesh's origin.
 typedef struct {
-    PnEdge curve;
-    float3 normals[2 * EDGE_SIDES];     // of the mesh, at both ends of both sides
-    float3 faces[EDGE_SIDES];           // of the plane triangles: unit length, or zero
-    bool outline;                       // there is one side only
+    __global const int *patches[EDGE_SIDES];
+    int side;                           // of the first patch
+    bool outline;                       // there is one patch only, twice
+    __global const float *positions, *normals;
+    float3 ends[2];
 } CurvedEdge;
+
+inline PnEdge edge_curve(const CurvedEdge edge)
+{
+    return pn_edge(edge.patches[0], edge.side, edge.positions, edge.normals);
+}
+
+// of the plane triangle on side 0 or 1: unit length, or zero
+inline float3 face_normal(const CurvedEdge edge, int side)
+{
+    __global const int *patch = edge.patches[side];
+    const float3 corner = vector_at(edge.positions, patch[0]);
+    return direction(cross3(vector_at(edge.positions, patch[1]) - corner,
+                            vector_at(edge.positions, patch[2]) - corner));
+}
+
+// one of the four of the mesh at the ends: both ends of side 0, then those of side 1
+inline float3 end_normal(const CurvedEdge edge, int i)
+{
+    const int own = edge.patches[0][(edge.side + 1 + i % 2) % 3];
+    const int adjacent = edge.patches[0][PATCH_ADJACENT + 2 * edge.side + i % 2];
+    return vector_at(edge.normals, i < 2 || adjacent < 0 ? own : adjacent);
+}
 
 inline float3 edge_middle(const CurvedEdge edge)
 {
-    return (edge.curve.ends[0] + edge.curve.ends[1]) * 0.5f;
+    return (edge.ends[0] + edge.ends[1]) * 0.5f;
 }
 
 inline float edge_length(const CurvedEdge edge)
 {
-    const float3 along = edge.curve.ends[1] - edge.curve.ends[0];
+    const float3 along = edge.ends[1] - edge.ends[0];
     return sqrt(dot3(along, along));
 }
 

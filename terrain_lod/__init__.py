@@ -72,6 +72,7 @@ from .queries import Hits
 from .queries_mesh import Surface
 from .terrain import Terrain
 from .tessellator import tessellate
+from .viewer import view
 
 __all__ = [
     "Achieved",
@@ -141,4 +142,5 @@ __all__ = [
     "tessellate",
     "variation_factors",
     "vertical_error",
+    "view",
 ]

@@ -210,6 +210,13 @@ def test_command(tmp_path, monkeypatch, capsys):
     assert run(["render", "hills.npy", "-o", "one.png", "--texture", "red.png", *small]) == 0
     red = np.asarray(Image.open("one.png")).astype(int)
     assert (red[-20:, :, 0] > 2 * red[-20:, :, 2]).mean() > 0.5
+    plain = ["--orbit", "--no-counts", *small]
+    assert run(["render", "hills.npy", "-o", "plain", *plain]) == 0
+    assert run(["render", "hills.npy", "-o", "lines", "--wireframe", *plain]) == 0
+    without, edges = (np.asarray(Image.open(f"{name}/0000.png")) for name in ("plain", "lines"))
+    assert edges.mean() < without.mean() - 5
+    counted = np.asarray(Image.open("frames/0000.png"))
+    assert counted[-8:, :40].mean() > without[-8:, :40].mean() + 20  # the text's light ground
     for bad, message in (
         (["--orbit", "--flyover"], "one of --path, --orbit and --flyover"),
         (["--beside", "uniform"], "with --beside"),

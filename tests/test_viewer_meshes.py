@@ -122,6 +122,17 @@ def test_patches_out_of_view_and_turned_away_are_culled(ring):
     assert f"{ring.frame(near).drawn_count} patches drawn" in ring.frame(near).lines()[2]
 
 
+def test_a_mesh_whose_y_points_up_is_turned():
+    mesh = cone()
+    turned = CurvedScene(mesh, y_up=True).mesh
+    x, y, z = mesh.vertices.T
+    assert ([x, -z, y] == turned.vertices.T).all()
+    x, y, z = mesh.normals.T
+    assert ([x, -z, y] == turned.normals.T).all()
+    nets = tl.load_bpt(POT)
+    assert (BezierScene(nets, y_up=True).nets[..., 2] == nets[..., 1]).all()
+
+
 # what is picked
 
 

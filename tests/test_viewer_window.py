@@ -18,7 +18,7 @@ from viewer_hands import benchmark, drag, press
 from terrain_lod import default_camera
 from terrain_lod.cli import REFUSED, run
 from terrain_lod.drawing.graphics import graphics_problem
-from terrain_lod.errors import FileError, InputError, MissingExtraError
+from terrain_lod.errors import FileError, GraphicsError, InputError, MissingExtraError
 from terrain_lod.viewer import look
 from terrain_lod.viewer.controls import Controls
 from terrain_lod.viewer.model import Model
@@ -354,6 +354,21 @@ def test_off_screen_writes_a_picture_and_a_flight(model, tmp_path):
     with Image.open(tmp_path / "view.png") as image, Image.open(tmp_path / "fly.gif") as movie:
         assert image.size == movie.size == SIZE
         assert movie.n_frames == 3
+
+
+def test_from_python_without_a_display(tmp_path, monkeypatch):
+    import terrain_lod as tl
+
+    ground = rough(40, 40)
+    lines = look(ground, settings={"mode": "lod", "pixels": 3.0}, picture=tmp_path / "view.png")
+    assert lines[0].startswith("screen-error")
+    assert (tmp_path / "view.png").exists()
+    with pytest.raises(InputError, match="unknown setting 'colour'"):
+        look(ground, settings={"colour": "red"})
+    monkeypatch.setattr("sys.platform", "linux")
+    monkeypatch.delenv("DISPLAY", raising=False)
+    with pytest.raises(GraphicsError, match="expected a display"):
+        tl.view(ground)
 
 
 def test_command_without_a_display(capsys, tmp_path, monkeypatch):

@@ -39,6 +39,7 @@ def view(
     mode: Mode | None = None,
     lod: LodName | None = None,
     factor: float | None = None,
+    y_up: bool = False,
     sun: Sun = None,
     reading: GroundOptions = GroundOptions(),  # noqa: B008
     camera: CameraOptions = CameraOptions(),  # noqa: B008
@@ -81,6 +82,8 @@ def view(
         curvature.
     factor
         Segments along an edge. Of uniform alone.
+    y_up
+        The mesh's own y axis points up. glTF files say so themselves.
     sun
         Where the light comes from: degrees clockwise from north, degrees above the horizon.
     """
@@ -93,7 +96,7 @@ def view(
     if sun is not None:
         chosen |= {"azimuth": sun[0] % 360, "elevation": sun[1]}
     path = Path(subject) if Path(subject).exists() else None
-    model = Model(lambda: _scene(subject, reading, terrain), path=path)
+    model = Model(lambda: _scene(subject, reading, terrain, y_up), path=path)
     settings = model.scene.settings
     for name, value in chosen.items():
         if value is not None:
@@ -116,12 +119,12 @@ def view(
         for line in look(model, eye, picture=output, record=record, frames=frames):
             say(line)
     else:
-        from ..viewer import open_window
+        from ..viewer import view as show
 
-        open_window(model, eye, record=record)
+        show(model, eye, record=record)
 
 
-def _scene(name: str, reading: GroundOptions, terrain: TerrainOptions) -> Scene:
+def _scene(name: str, reading: GroundOptions, terrain: TerrainOptions, y_up: bool) -> Scene:
     """Return what is to be looked at, by the ending of its name."""
     from ..files.bpt import load_bpt
     from ..files.loading import FORMATS
@@ -131,6 +134,8 @@ def _scene(name: str, reading: GroundOptions, terrain: TerrainOptions) -> Scene:
 
     endings = tuple(ending for form in FORMATS for ending in form.endings)
     if not Path(name).suffix or name.lower().endswith(endings):
+        if y_up:
+            raise InputError(f"expected a mesh with --y-up, got the ground {name}")
         scene = TerrainScene(reading.load(name), device=terrain.open())
         scene.settings = replace(scene.settings, tile=terrain.tile)
         log("%r", scene.ground)
@@ -141,5 +146,5 @@ def _scene(name: str, reading: GroundOptions, terrain: TerrainOptions) -> Scene:
         option = "--" + given[0].replace("_", "-")
         raise InputError(f"expected a raster with {option}, got {name}")
     if name.lower().endswith(".bpt"):
-        return BezierScene(load_bpt(name), device=terrain.open())
-    return CurvedScene(load_mesh(name), device=terrain.open())
+        return BezierScene(load_bpt(name), y_up=y_up, device=terrain.open())
+    return CurvedScene(load_mesh(name), y_up=y_up, device=terrain.open())

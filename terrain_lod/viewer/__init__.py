@@ -30,7 +30,7 @@ _PERIOD: Final = 15  # milliseconds between two looks for something new
 
 
 def view(
-    what: Heightmap | Mesh | npt.ArrayLike,
+    what: Model | Heightmap | Mesh | npt.ArrayLike,
     camera: Camera | None = None,
     *,
     settings: Mapping[str, Any] | None = None,
@@ -43,14 +43,15 @@ def view(
 
     Parameters
     ----------
-    what : Heightmap, Mesh, or (P, 4, 4, 3) array_like
-        Ground; triangles, to be curved as PN-triangles; or Bézier patches.
+    what : Heightmap, Mesh, (P, 4, 4, 3) array_like, or Model
+        Ground; triangles, to be curved as PN-triangles; Bézier patches; or a scene that can be read
+        again from its file.
     camera : Camera, optional
         Where to begin; its size is the window's.
     settings : mapping, optional
-        What to begin with, such as ``{"mode": "lod"}``: fields of
-        :class:`~terrain_lod.viewer.terrain_settings.TerrainSettings`, ``CurvedSettings`` or
-        ``BezierSettings``.
+        What to begin with, such as ``{"mode": "lod", "pixels": 2.0}``: fields of
+        :class:`~terrain_lod.viewer.terrain_settings.TerrainSettings`,
+        :class:`~terrain_lod.viewer.mesh_settings.CurvedSettings` or ``BezierSettings`` there.
     record : str or Path, optional
         GIF or MP4 of all that is shown.
     device : Device, optional
@@ -62,25 +63,9 @@ def view(
     GraphicsError
         If there is no display, or nothing can be drawn.
     """
-    scene = scene_of(what, device=device)
-    for name, value in (settings or {}).items():
-        scene.settings = scene.settings.changed(name, value)
-    open_window(Model(lambda: scene), camera or scene.camera(), record=record)
-
-
-def scene_of(what: Heightmap | Mesh | npt.ArrayLike, *, device: Device | None = None) -> Scene:
-    """Return what is looked at as the viewer's scene; see :func:`view`."""
-    if isinstance(what, Heightmap):
-        return TerrainScene(what, device=device)
-    if isinstance(what, Mesh):
-        return CurvedScene(what, device=device)
-    return BezierScene(what, device=device)
-
-
-def open_window(model: Model, camera: Camera, *, record: str | Path | None = None) -> None:
-    """Open a window on a model and return when it is closed; see :func:`view`."""
+    model = _model(what, settings, device)
     require_display()
-    window = Window(model, camera)
+    window = Window(model, camera or model.scene.camera())
     try:
         controls = Controls(window)
         controls.record(None if record is None else Path(record))
@@ -97,22 +82,24 @@ def open_window(model: Model, camera: Camera, *, record: str | Path | None = Non
 
 
 def look(
-    model: Model,
-    camera: Camera,
+    what: Model | Heightmap | Mesh | npt.ArrayLike,
+    camera: Camera | None = None,
     *,
-    picture: Path | None = None,
-    record: Path | None = None,
+    settings: Mapping[str, Any] | None = None,
+    picture: str | Path | None = None,
+    record: str | Path | None = None,
     frames: int = 60,
+    device: Device | None = None,
 ) -> tuple[str, ...]:
     """Do without a display what the window would: a picture, and a flight around the target.
 
     Parameters
     ----------
-    model : Model
-    camera : Camera
-    picture : Path, optional
+    what, camera, settings, device
+        As for :func:`view`.
+    picture : str or Path, optional
         PNG of the first view.
-    record : Path, optional
+    record : str or Path, optional
         GIF or MP4 of a flight once around the target.
     frames : int, optional
         Pictures of that flight.
@@ -124,11 +111,14 @@ def look(
 
     Raises
     ------
+    InputError
+        If it cannot be looked at, or a setting is unknown.
     GraphicsError
         If nothing can be drawn.
     """
+    model = _model(what, settings, device)
     movie = None if record is None else Movie(record)
-    window = Window(model, camera, off_screen=True)
+    window = Window(model, camera or model.scene.camera(), off_screen=True)
     try:
         window.settle(measured=True)
         if picture is not None:
@@ -143,6 +133,15 @@ def look(
         return lines
     finally:
         window.close()
+
+
+def scene_of(what: Heightmap | Mesh | npt.ArrayLike, *, device: Device | None = None) -> Scene:
+    """Return what is looked at as the viewer's scene; see :func:`view`."""
+    if isinstance(what, Heightmap):
+        return TerrainScene(what, device=device)
+    if isinstance(what, Mesh):
+        return CurvedScene(what, device=device)
+    return BezierScene(what, device=device)
 
 
 def require_display() -> None:
@@ -161,6 +160,21 @@ def require_display() -> None:
         raise GraphicsError(
             f"expected a display for a window, got {got}: use --off-screen or --web"
         )
+
+
+def _model(
+    what: Model | Heightmap | Mesh | npt.ArrayLike,
+    settings: Mapping[str, Any] | None,
+    device: Device | None,
+) -> Model:
+    if isinstance(what, Model):
+        model = what
+    else:
+        scene = scene_of(what, device=device)
+        model = Model(lambda: scene)
+    for name, value in (settings or {}).items():
+        model.scene.settings = model.scene.settings.changed(name, value)
+    return model
 
 
 @contextmanager

@@ -24,6 +24,8 @@ from .settings import Settings
 from .viewer_camera import triangle_seen
 from .viewer_colours import Paint, by_normal, of_clay, paper
 
+# rows are where x, y and z go: y up becomes z up
+_TURN = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 # across, back and up from the middle of a mesh to the first eye, in diagonals
 _EYE = (0.5, -1.0, 0.6)
 
@@ -103,6 +105,8 @@ class CurvedScene(_Placed):
     Parameters
     ----------
     mesh : Mesh
+    y_up : bool, optional
+        Its y axis points up: it is turned.
     device : Device, optional
 
     Raises
@@ -111,8 +115,15 @@ class CurvedScene(_Placed):
         If it cannot be curved; see :func:`terrain_lod.pn_triangles`.
     """
 
-    def __init__(self, mesh: Mesh, *, device: Device | None = None) -> None:
+    def __init__(self, mesh: Mesh, *, y_up: bool = False, device: Device | None = None) -> None:
         require_curvable(mesh)
+        if y_up:
+            turned = {name: getattr(mesh, name) @ _TURN for name in ("vertices", "normals")}
+            mesh = replace(
+                mesh,
+                **{name: array.astype(np.float32) for name, array in turned.items()},
+                origin=mesh.origin @ _TURN,
+            )
         used = mesh.vertices[mesh.triangles.ravel()].astype(np.float64) + mesh.origin
         super().__init__(used.min(axis=0), used.max(axis=0))
         self.mesh, self.device = replace(mesh, textures=None), device or Device.open()
@@ -167,6 +178,8 @@ class BezierScene(_Placed):
     Parameters
     ----------
     patches : (P, 4, 4, 3) array_like
+    y_up : bool, optional
+        Their y axis points up: they are turned.
     device : Device, optional
 
     Raises
@@ -175,8 +188,10 @@ class BezierScene(_Placed):
         If they are no such patches, or none.
     """
 
-    def __init__(self, patches: npt.ArrayLike, *, device: Device | None = None) -> None:
-        self.nets = as_nets(patches)
+    def __init__(
+        self, patches: npt.ArrayLike, *, y_up: bool = False, device: Device | None = None
+    ) -> None:
+        self.nets = as_nets(patches) @ (_TURN if y_up else np.eye(3))
         if not len(self.nets):
             raise InputError("expected patches to look at, got none")
         points = self.nets.reshape(-1, 3)

@@ -57,7 +57,8 @@ class Movie:
 
             self._video.append_data(np.asarray(image))
         else:
-            self._pictures.append(image.quantize(_COLOURS))
+            # the other ways lose what is small: a mark, a frustum, green in a brown picture
+            self._pictures.append(image.quantize(_COLOURS, Image.Quantize.MAXCOVERAGE))
 
     def close(self) -> None:
         """Write what was added.

@@ -9,7 +9,9 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from textwrap import wrap
 from time import perf_counter
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +20,8 @@ from ..camera import Camera, Point
 from ..mesh import Mesh
 from .settings import Settings
 from .viewer_colours import UNPAINTED, Paint, by_detail
+
+_LINE: Final = 60  # characters of the read-out
 
 
 @dataclass(frozen=True)
@@ -117,7 +121,7 @@ class Frame(ABC):
             f"{count:,} patches drawn, {len(self.edge_factors) - count:,} culled",
             *self.facts(),
             f"mesh {1e3 * self.engine_seconds:.0f} ms, colours {1e3 * self.paint_seconds:.0f} ms",
-            f"device ms: {stages}",
+            *wrap(f"device ms: {stages}", _LINE),
             f"{settings.mode}: {self.paint.legend}",
         )
 

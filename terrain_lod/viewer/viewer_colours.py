@@ -82,7 +82,7 @@ def by_height(mesh: Mesh, sun: Sun, height_range: tuple[float, float]) -> Paint:
 def of_clay(mesh: Mesh, sun: Sun) -> Paint:
     """Leave the mesh in one colour under the sun, with some light from all around."""
     facing_sun = np.maximum(mesh.normals @ sun_direction(*sun), 0.0)
-    light = np.minimum(0.45 + 0.20 * mesh.normals[:, 2] + 0.65 * facing_sun, 1.0)
+    light = np.minimum(0.32 + 0.15 * mesh.normals[:, 2] + 0.58 * facing_sun, 1.0)
     colours = light[:, None] * np.asarray(CLAY, np.float32)
     return Paint(to_bytes(colours.astype(np.float32)), "one colour, under the sun")
 
