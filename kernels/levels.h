@@ -17,15 +17,14 @@ inline int2 full_level(Tile tile)
     return min((int2)(tile.cells_across / 2, tile.cells_down / 2), (int2)(LEVELS - 1));
 }
 
-// The cheapest level pair from `least` on whose error is within `error`, or the full one. With f
-// segments beside g, triangles go with f g where edges match, with (f - 1) (g - 1) where they do not:
-// levels are in the same order.
-inline int2 cheapest_level(__global const float *errors, float error, int2 least, int2 full)
+// The cheapest level pair whose error is within `error`, or the full one. Triangles go about with the
+// product of the factors.
+inline int2 cheapest_level(__global const float *errors, float error, int2 full)
 {
     int2 best = full;
     int cost = INT_MAX;
-    for (int v = least.y; v <= full.y; ++v)
-        for (int u = least.x; u <= full.x; ++u) {
+    for (int v = 0; v <= full.y; ++v)
+        for (int u = 0; u <= full.x; ++u) {
             const int price = (2 * u + 1) * (2 * v + 1);
             if (price < cost && errors[v * LEVELS + u] <= error) {
                 cost = price;

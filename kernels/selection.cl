@@ -50,9 +50,8 @@ inline float matched_factor(Grid grid, int patch, bool along_u, __global const f
                             float error)
 {
     const Tile tile = tile_at(grid, patch);
-    const int2 full = full_level(tile);
     const int2 level = cheapest_level(errors + (size_t)patch * LEVELS * LEVELS, error,
-                                      (int2)(0, 0), full);
+                                      full_level(tile));
     return along_u ? factor_of(level.x, tile.cells_across) : factor_of(level.y, tile.cells_down);
 }
 
@@ -94,8 +93,8 @@ __kernel void select_edges(const Grid grid, const float edge_share,
         // fmin and fmax pass over the NaN of a culled neighbour; such an edge is the patch's own
         const float error = fmin(allowed[patch] * share[patch], allowed[other] * share[other]);
 #if EDGE_RULE == EDGES_BY_ERROR
-        __global const float *along_edge =
-            (edge % 2 == 0 ? down_errors : across_errors) + edge_index(grid, patch, edge) * LEVELS;
+        __global const float *along_edge = (edge % 2 == 0 ? down_errors : across_errors)
+                                         + (size_t)edge_index(grid, patch, edge) * LEVELS;
         float factor = factor_of(edge_level(along_edge, edge_share * error, cells), cells);
 #else
         // a culled neighbour has no say
