@@ -49,11 +49,8 @@ crater = bowl - 0.35 * np.exp(-(((from_middle - 0.75) / 0.1) ** 2))
 pyvista.Icosphere(nsub=3).save("ball.vtk")
 ball = tl.load_mesh("ball.vtk")
 random = np.random.default_rng(6)
-shots = []
-for radius in random.uniform(0.05, 0.2, 40):
-    eye = random.normal(size=3) * 9
-    if hit := tl.shoot(ball, tuple(eye), tuple(-eye), radius, scale=0.35 * radius):
-        shots.append(hit)
+eyes, radii = random.normal(size=(40, 3)) * 9, random.uniform(0.05, 0.2, 40)
+shots = [tl.shoot(ball, eye, -eye, r, scale=r / 3) for eye, r in zip(eyes, radii, strict=True)]
 moon = tl.dent(ball, shots, crater, 15, curved=True)
 print(f"ball: {ball} -> {moon}, {tl.crack_report(moon)}")
 
