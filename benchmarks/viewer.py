@@ -28,7 +28,6 @@ from terrain_lod.viewer.controls import Controls
 from terrain_lod.viewer.model import Model
 from terrain_lod.viewer.scene import Scene
 from terrain_lod.viewer.terrain_scene import TerrainScene
-from terrain_lod.viewer.terrain_settings import TerrainSettings
 from terrain_lod.viewer.viewer_camera import Rig
 from terrain_lod.viewer.window import Window
 
@@ -143,24 +142,21 @@ def tour(controls: Controls) -> Iterator[Callable[[], None]]:
         first, *rest = choice.values
         for value in (*rest, first):
             yield lambda name=choice.name, value=value: window.change(name, value)
-            # kernels are built for each tile size and edge rule, and for formulas, and kept
+            # kernels are built for each tile size and edge rule, and kept
             for name, stop in stops if choice.name == "edges" else ():
                 yield lambda name=name, stop=stop: window.change(name, stop)
-            if choice.name == "lod":
-                for rule in ("max", "edge") if isinstance(settings, TerrainSettings) else ():
-                    yield lambda rule=rule: window.change("edges", rule)
-    # the largest meshes that there are, in every mode, in the largest window
+    # the largest meshes that there are, in every mode
     yield lambda: window.apply(replace(window.settings, lod="uniform"))
     for name in ("factor", *dict(stops)):
         yield lambda name=name: slide(controls, name, 1.0)
-    for mode in (*settings.modes, *settings.modes):
+    for mode in settings.modes:
         yield lambda mode=mode: window.change("mode", mode)
-    yield lambda: window.apply(window.model.scene.settings)
+    # every level of detail at its extremes, in large tiles and small ones
     for choice in settings.choices:
         for value in choice.values if choice.name in ("lod", "sharp") else ():
             yield lambda name=choice.name, value=value: window.change(name, value)
             for slider in settings.changed(choice.name, value).sliders:
-                for share in (0.0, 1.0):
+                for share in (1.0, 0.0, 1.0):
                     yield lambda name=slider.name, share=share: slide(controls, name, share)
     yield lambda: window.apply(window.model.scene.settings)
 
@@ -169,27 +165,30 @@ def stress(window: Window, controls: Controls, count: int) -> None:
     """Do so many events, and print what memory does."""
     rng = np.random.default_rng(6)
     marks, shown = {}, set()
-    first = tour(controls)
+    steps = list(tour(controls))
     for number in range(1, count + 1):
-        step = next(first, None)
-        if step is None:
-            event(controls, rng)
-        else:
-            step()
+        if number <= len(steps):
+            steps[number - 1]()
             controls.pump()
-        if step is not None or number % 10 == 0:
+        else:
+            event(controls, rng)
+        if number <= len(steps) or number % 10 == 0:
             shown.add(window.settle().request.settings.mode)
-        if number in (100, count // 2, count):
+        if number in (100, len(steps), count // 2, count):
             # the same view each time, so that what is left is what was not given back
+            settings = window.settings
             window.apply(window.model.scene.settings)
             window.drive(window.home)
             window.plotter.render_window.SetSize(800, 600)
             window.settle(measured=True)
             marks[number] = resident()
             print(f"after {number:5} events {marks[number] / 2**20:8.1f} MiB resident")
-    first, last = marks[min(marks)], marks[max(marks)]
-    modes = len(window.settings.modes)
-    print(f"grown by {100 * (last / first - 1):.1f} %; {len(shown)} of {modes} modes shown")
+            window.apply(settings)
+    first, last, modes = marks[len(steps)], marks[count], len(window.settings.modes)
+    print(
+        f"grown by {100 * (last / first - 1):.1f} % since everything there is was there once; "
+        f"{len(shown)} of {modes} modes shown"
+    )
 
 
 def resident() -> int:

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from io import BytesIO
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from PIL import Image
 from terrain_lod.cli import REFUSED, run
 from terrain_lod.drawing.graphics import graphics_problem
 
+POT = Path(__file__).parents[1] / "examples" / "data" / "pot.bpt"
 CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
 DRIVER = shutil.which("chromedriver")
 MISSING = graphics_problem() or (
@@ -40,11 +42,11 @@ def until(condition, seconds=60.0):
     return found
 
 
-@pytest.fixture
-def address():
+@pytest.fixture(params=["volcano"])
+def address(request):
     pytest.importorskip("trame_pyvista", reason="no web page tested: trame-pyvista is missing")
     port = free_port()
-    command = [sys.executable, "-m", "terrain_lod", "view", "volcano", "--web"]
+    command = [sys.executable, "-m", "terrain_lod", "view", request.param, "--web"]
     with subprocess.Popen(
         [*command, "--port", str(port)], stderr=subprocess.PIPE, text=True
     ) as server:
@@ -125,6 +127,33 @@ def test_page_loads_slider_moves_triangles_change_and_terrain_is_seen(address, b
         120, 30
     ).release().perform()
     until(lambda: settled() not in (False, 0, second))
+
+
+@pytest.mark.skipif(MISSING is not None, reason=f"no web page tested: {MISSING}")
+@pytest.mark.parametrize("address", [str(POT)], indirect=True)
+def test_patches_have_the_same_page_with_their_own_controls(address, browser):
+    from selenium.webdriver.common.by import By
+    from selenium.webdriver.common.keys import Keys
+
+    def count():
+        texts = [found.text for found in browser.find_elements(By.ID, "triangle-count")]
+        return int(texts[0].split()[0].replace(",", "")) if texts and texts[0] else 0
+
+    browser.get(address)
+    assert until(count) == 24 * 50  # factor 5
+    shown = browser.find_element(By.TAG_NAME, "body").text
+    assert "factor: 5" in shown
+    assert "level of detail" not in shown
+    assert "largest error" not in shown
+    view = until(lambda: browser.find_elements(By.CSS_SELECTOR, ".v-main img"))[0]
+    seen = np.asarray(Image.open(BytesIO(view.screenshot_as_png)).convert("RGB")).astype(int)
+    middle = seen[seen.shape[0] // 2, seen.shape[1] // 2]
+    assert middle[0] > middle[2]  # clay before a blue sky
+    assert seen[5, :, 2].mean() > seen[5, :, 0].mean() + 30
+    thumb = browser.find_element(By.CSS_SELECTOR, ".v-slider-thumb")
+    thumb.click()
+    thumb.send_keys(Keys.ARROW_RIGHT * 50)
+    until(lambda: count() > 24 * 60)
 
 
 def test_port_that_is_taken_is_one_line(capsys):

@@ -41,7 +41,7 @@ def back_cosine_of(controls: Array, view: npt.NDArray[Any]) -> float:
     Returns
     -------
     float
-        Above 0 where all of the patch is turned away, however it is tessellated evenly.
+        Above 0 where all triangles of the patch, divided evenly, are turned away.
     """
     rays = controls - view["eye"].astype(np.float64)
     if view["parallel"]:

@@ -115,6 +115,8 @@ class CurvedScene(_Placed):
         If it cannot be curved; see :func:`terrain_lod.pn_triangles`.
     """
 
+    read_by_vtk = True
+
     def __init__(self, mesh: Mesh, *, y_up: bool = False, device: Device | None = None) -> None:
         require_curvable(mesh)
         if y_up:

@@ -137,11 +137,14 @@ class Scene(ABC):
         World point.
     diagonal : float
         Of its extent, in world units.
+    read_by_vtk : bool
+        Whether its file is: VTK waits for itself when it reads on one thread and draws on another.
     """
 
     settings: Settings
     centre: Point
     diagonal: float
+    read_by_vtk: bool = False
 
     @abstractmethod
     def camera(self) -> Camera:

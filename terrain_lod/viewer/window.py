@@ -19,7 +19,7 @@ from typing import Any, Final
 
 from ..camera import Camera
 from ..drawing.render import Picture, save_png
-from ..errors import InputError
+from ..errors import InputError, TerrainError
 from .engine import Engine
 from .model import Model
 from .scene import Frame, Request
@@ -136,8 +136,16 @@ class Window:
         self.engine.ask(Request(camera, self.settings, self._asked), reload=reload)
 
     def reload(self) -> None:
-        """Want the ground read again."""
-        self.ask(reload=True)
+        """Want the scene read again; what was read before stays if it cannot be."""
+        if not self.model.scene.read_by_vtk:
+            self.ask(reload=True)
+            return
+        try:
+            self.model.reload()
+        except TerrainError as error:
+            self.note, self._dirty = str(error), True
+        else:
+            self.ask()
 
     def redraw(self) -> None:
         """Draw at the next :meth:`pump`."""
