@@ -38,13 +38,14 @@ class SurfaceAccessor:
         surface = self._surface
         if not surface.is_all_triangles:
             surface = surface.triangulate()
-        field = surface.field_data
+        field, textures = surface.field_data, surface.point_data.active_texture_coordinates
         return Mesh(
             vertices=np.asarray(surface.points, np.float32),
             normals=np.asarray(_normals(surface), np.float32),
             triangles=np.asarray(surface.regular_faces, np.int32),
             origin=np.array(field["origin"], np.float64) if "origin" in field else np.zeros(3),
             crs=str(np.atleast_1d(field["crs"])[0]) if "crs" in field else None,
+            textures=None if textures is None else np.asarray(textures, np.float32),
         )
 
     def vertical_error(self, ground: Heightmap) -> VerticalError:

@@ -128,6 +128,20 @@ def test_accessor_is_there_without_an_import_and_goes_back_and_forth(tmp_path):
 @pytest.mark.skipif(
     graphics_problem() is not None, reason=f"no notebook tested: {graphics_problem()}"
 )
+def test_accessor_keeps_texture_coordinates():
+    corners = np.float32([[0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    textures = corners[:, :2] / 2
+    mesh = tl.Mesh(
+        corners,
+        np.tile(np.float32([0, 0, 1]), (3, 1)),
+        np.int32([[0, 1, 2]]),
+        np.zeros(3),
+        textures=textures,
+    )
+    back = mesh.to_pyvista().terrain_lod.mesh()
+    np.testing.assert_array_equal(back.textures, textures)
+
+
 def test_the_example_notebook_runs():
     nbclient = pytest.importorskip("nbclient", reason="no notebook tested: nbclient is missing")
     import nbformat
