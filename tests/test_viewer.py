@@ -105,8 +105,8 @@ def test_choices_go_round_and_refuse_what_they_do_not_know():
 
 def test_weights_weigh_and_none_do_not():
     assert SETTINGS.detail() == ScreenErrorLod(1.0)
-    weighted = SETTINGS.changed("horizon", 4.0).changed("silhouette", 2.0)
-    assert weighted.detail() == Weighted(ScreenErrorLod(1.0), horizon=4.0, silhouette=2.0)
+    weighted = SETTINGS.changed("horizon", 3.0).changed("silhouette", 2.0)
+    assert weighted.detail() == Weighted(ScreenErrorLod(1.0), horizon=3.0, silhouette=2.0)
 
 
 def test_edge_rule_and_tessellation_follow_the_level_of_detail():
@@ -306,6 +306,17 @@ def test_frustum_has_the_pictures_corners():
     assert pixels == pytest.approx(
         np.array([[0, 100], [200, 100], [200, 0], [0, 0]], float), abs=1e-9
     )
+
+
+def test_triangles_are_seen_from_the_front_alone_where_no_eye_gets_below_them(scene):
+    x, y, z = scene.centre
+    low, high = scene.ground.height_range
+    away = x - scene.ground.extent[0]
+    assert scene.shows_fronts_alone((x, y, z))
+    assert scene.shows_fronts_alone((away, y, high + 1.0))
+    assert not scene.shows_fronts_alone((away, y, low + 1.0))
+    ground = TerrainScene(holed(61, 61))
+    assert not ground.shows_fronts_alone(ground.centre)
 
 
 # the ground's file
