@@ -145,12 +145,18 @@ def tour(controls: Controls) -> Iterator[Callable[[], None]]:
             # kernels are built for each tile size and edge rule, and kept
             for name, stop in stops if choice.name == "edges" else ():
                 yield lambda name=name, stop=stop: window.change(name, stop)
-    # the largest meshes that there are, in every mode
-    yield lambda: window.apply(replace(window.settings, lod="uniform"))
+    # the largest meshes that there are, in every mode: drivers keep room for the largest so far.
+    # All of the ground is in view; powers of two make 8 segments of 5 cells
+    yield lambda: window.drive(window.home.zoom(0.3))
+    yield lambda: window.apply(replace(window.settings, lod="uniform", partitioning="pow2"))
     for name in ("factor", *dict(stops)):
         yield lambda name=name: slide(controls, name, 1.0)
+    for name, stop in stops[1:2]:
+        yield lambda name=name, stop=stop: window.change(name, stop)
     for mode in settings.modes:
         yield lambda mode=mode: window.change("mode", mode)
+    yield lambda: window.apply(window.model.scene.settings)
+    yield lambda: window.drive(window.home)
     # every level of detail at its extremes, in large tiles and small ones
     for choice in settings.choices:
         for value in choice.values if choice.name in ("lod", "sharp") else ():

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import fields, replace
+import os
+import subprocess
+import sys
+from dataclasses import replace
 from itertools import pairwise
 from threading import Event
 
@@ -13,109 +16,23 @@ from grounds import holed, plane, rough
 from hypothesis import given
 from hypothesis import strategies as st
 
-from terrain_lod import Camera, Heightmap, ScreenErrorLod, UniformLod, Weighted, default_camera
-from terrain_lod.errors import FileError, GraphicsError, InputError
+from terrain_lod import Camera, Heightmap, default_camera
+from terrain_lod.cli import REFUSED
+from terrain_lod.errors import FileError, GraphicsError
 from terrain_lod.viewer import require_display
 from terrain_lod.viewer.engine import Engine
-from terrain_lod.viewer.mesh_settings import BezierSettings, CurvedSettings
 from terrain_lod.viewer.model import Model
 from terrain_lod.viewer.scene import Request
 from terrain_lod.viewer.stage import frustum
 from terrain_lod.viewer.terrain_scene import TerrainScene
-from terrain_lod.viewer.terrain_settings import LODS, MODES, TILES, TerrainSettings
+from terrain_lod.viewer.terrain_settings import LODS, MODES
 from terrain_lod.viewer.viewer_camera import Rig, ground_seen, height_at
 
-SETTINGS = TerrainSettings(diagonal=1000.0)
-EVERY = [kind(diagonal=1000.0) for kind in (TerrainSettings, CurvedSettings, BezierSettings)]
 ORIGIN = (500_000.0, 4_000_000.0)
 
 
 def a_camera(ground, size=(320, 200)):
     return default_camera(ground, size=size)
-
-
-# settings
-
-
-@pytest.mark.parametrize("settings", EVERY)
-def test_every_control_is_a_setting(settings):
-    names = {field.name for field in fields(settings)}
-    assert {choice.name for choice in settings.choices} <= names
-    assert {slider.name for slider in settings.numbers} <= names
-    keys = [choice.key for choice in settings.choices]
-    assert len(set(keys)) == len(keys)
-    assert not set(keys) & set("wasdgrucvhq")
-    for choice in settings.choices:
-        assert getattr(settings, choice.name) in choice.values
-    for slider in settings.numbers:
-        assert slider.nearest(getattr(settings, slider.name)) == getattr(settings, slider.name)
-
-
-@given(st.sampled_from(EVERY), st.floats(allow_nan=False), st.data())
-def test_any_slider_anywhere_gives_a_level_of_detail(settings, value, data):
-    for choice in settings.choices:
-        settings = settings.changed(choice.name, data.draw(st.sampled_from(choice.values)))
-    slider = data.draw(st.sampled_from(settings.numbers))
-    if math.isinf(value):
-        with pytest.raises(InputError, match="finite"):
-            settings.changed(slider.name, value)
-        return
-    settings = settings.changed(slider.name, value)
-    assert slider.low <= getattr(settings, slider.name) <= slider.high
-    # raises where near and far, or minimum and maximum, cross
-    if isinstance(settings, TerrainSettings):
-        settings.detail()
-    if isinstance(settings, CurvedSettings):
-        settings.formula()
-
-
-def test_sliders_that_matter_and_their_scale():
-    names = [slider.name for slider in SETTINGS.changed("lod", "coplanarity").sliders]
-    formula = ["near", "far", "minimum", "maximum", "flat_weight"]
-    always = ["horizon", "silhouette", "tile", "azimuth", "elevation"]
-    assert names == formula + always
-    for slider in SETTINGS.numbers:
-        assert slider.of_scale(slider.on_scale(slider.high)) == pytest.approx(slider.high)
-    assert [slider.name for slider in EVERY[2].sliders] == ["factor", "azimuth", "elevation"]
-    assert "crease" in {slider.name for slider in EVERY[1].changed("sharp", "angle").sliders}
-    assert "crease" not in {slider.name for slider in EVERY[1].sliders}
-
-
-def test_the_tile_slider_has_stops():
-    for value, stop in ((1, 3), (13, 15), (12, 11), (64, 63), (40, 45)):
-        assert SETTINGS.changed("tile", value).tile == stop
-    assert all(isinstance(SETTINGS.changed("tile", tile).tile, int) for tile in TILES)
-    assert replace(SETTINGS, tile=12).tile == 12  # as the command line may ask
-    with pytest.raises(InputError, match="from 1 to 63 for tile"):
-        replace(SETTINGS, tile=64)
-
-
-def test_choices_go_round_and_refuse_what_they_do_not_know():
-    settings = SETTINGS
-    for _ in MODES:
-        settings = settings.next("mode")
-    assert settings == SETTINGS
-    with pytest.raises(InputError, match="expected one of shaded"):
-        SETTINGS.changed("mode", "cubist")
-    with pytest.raises(InputError, match="expected one of shaded, wireframe, lod, normals"):
-        EVERY[1].changed("mode", "deviation")
-    with pytest.raises(InputError, match="unknown setting 'colour': expected one of mode, lod"):
-        SETTINGS.changed("colour", "red")
-
-
-def test_weights_weigh_and_none_do_not():
-    assert SETTINGS.detail() == ScreenErrorLod(1.0)
-    weighted = SETTINGS.changed("horizon", 4.0).changed("silhouette", 2.0)
-    assert weighted.detail() == Weighted(ScreenErrorLod(1.0), horizon=4.0, silhouette=2.0)
-
-
-def test_edge_rule_and_tessellation_follow_the_level_of_detail():
-    assert SETTINGS.edge_rule == "edge"
-    assert SETTINGS.changed("lod", "distance").edge_rule == "min"
-    assert SETTINGS.changed("lod", "distance").changed("edges", "max").edge_rule == "max"
-    flat = SETTINGS.changed("tessellated", False)
-    assert flat.detail() == UniformLod(1.0)
-    assert flat.edge_rule == "min"
 
 
 # the driven camera
@@ -308,6 +225,17 @@ def test_frustum_has_the_pictures_corners():
     )
 
 
+def test_triangles_are_seen_from_the_front_alone_where_no_eye_gets_below_them(scene):
+    x, y, z = scene.centre
+    low, high = scene.ground.height_range
+    away = x - scene.ground.extent[0]
+    assert scene.shows_fronts_alone((x, y, z))
+    assert scene.shows_fronts_alone((away, y, high + 1.0))
+    assert not scene.shows_fronts_alone((away, y, low + 1.0))
+    ground = TerrainScene(holed(61, 61))
+    assert not ground.shows_fronts_alone(ground.centre)
+
+
 # the ground's file
 
 
@@ -399,6 +327,18 @@ def test_no_display_names_the_ways_without_one(monkeypatch, display):
         monkeypatch.setenv("DISPLAY", display)
     with pytest.raises(GraphicsError, match="use --off-screen or --web"):
         require_display()
+
+
+def test_a_broken_driver_is_one_line():
+    child = subprocess.run(
+        [sys.executable, "-m", "terrain_lod", "view", "volcano", "--off-screen"],
+        capture_output=True,
+        text=True,
+        env=os.environ | {"__EGL_VENDOR_LIBRARY_FILENAMES": "/nonexistent", "DISPLAY": ""},
+        timeout=120,
+    )
+    assert child.returncode == REFUSED
+    assert child.stderr.count("\n") == 1, child.stderr
 
 
 def test_lod_is_monotonic_in_its_slider(scene):

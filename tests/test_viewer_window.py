@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import gc
 import math
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -18,11 +15,10 @@ from viewer_hands import benchmark, drag, press
 from terrain_lod import default_camera
 from terrain_lod.cli import REFUSED, run
 from terrain_lod.drawing.graphics import graphics_problem
-from terrain_lod.errors import FileError, GraphicsError, InputError, MissingExtraError
+from terrain_lod.errors import FileError, GraphicsError, InputError
 from terrain_lod.viewer import look
 from terrain_lod.viewer.controls import Controls
 from terrain_lod.viewer.model import Model
-from terrain_lod.viewer.movie import Movie
 from terrain_lod.viewer.terrain_scene import TerrainScene
 from terrain_lod.viewer.terrain_settings import LODS, MODES
 from terrain_lod.viewer.window import Window
@@ -282,34 +278,6 @@ def test_a_picture_that_cannot_be_written_is_a_note(controls):
     assert "expected a folder" in controls.window.note
 
 
-# imageio leaves the pipes to ffmpeg to the garbage collector
-@pytest.mark.filterwarnings("ignore::ResourceWarning")
-@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
-def test_mp4_with_its_extra(tmp_path):
-    pytest.importorskip("imageio_ffmpeg", reason="no MP4 tested: terrain_lod[movie] is missing")
-    import imageio
-
-    movie = Movie(tmp_path / "fly.mp4")
-    for level in (0, 120, 240):
-        movie.add(np.full((61, 81, 3), level, np.uint8))
-    movie.close()
-    pictures = imageio.mimread(tmp_path / "fly.mp4")
-    assert [round(float(picture.mean()), -1) for picture in pictures] == [0, 120, 240]
-    assert pictures[0].shape[:2] == (60, 80)
-    del movie
-    gc.collect()
-
-
-def test_recordings_say_what_they_need(tmp_path, monkeypatch):
-    with pytest.raises(InputError, match=r"ends in .gif or .mp4, got fly.avi"):
-        Movie(tmp_path / "fly.avi")
-    with pytest.raises(FileError, match="expected a folder"):
-        Movie(tmp_path / "none" / "fly.gif")
-    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
-    with pytest.raises(MissingExtraError, match=r"terrain_lod\[movie\]"):
-        Movie(tmp_path / "fly.mp4")
-
-
 def test_ground_is_read_again_and_a_lost_file_leaves_the_last_good_mesh(tmp_path):
     from terrain_lod import Heightmap
 
@@ -394,6 +362,7 @@ def test_vtk_is_tidied_up_on_its_own_thread(model):
 
 def test_a_light_panel_stands_under_the_sliders(controls):
     window = controls.window
+    window.plotter.render_window.SetSize(900, 700)  # beside the read-out
     window.change("mode", "lod")
     window.settle()
     controls.pump()
@@ -401,7 +370,7 @@ def test_a_light_panel_stands_under_the_sliders(controls):
     press(controls, "h")
     controls.pump()
     without = window.picture().astype(int)
-    strip = np.s_[20:120, -60:-10]
+    strip = np.s_[60:330, 720:880]
     assert with_panel[strip].mean() > without[strip].mean() + 20
 
 
@@ -420,15 +389,3 @@ def test_any_events_in_any_order(controls):
     controls.pump()
     controls.window.settle()
     assert bare(controls.window).std() > 10
-
-
-def test_a_broken_driver_is_one_line(tmp_path):
-    child = subprocess.run(
-        [sys.executable, "-m", "terrain_lod", "view", "volcano", "--off-screen"],
-        capture_output=True,
-        text=True,
-        env=os.environ | {"__EGL_VENDOR_LIBRARY_FILENAMES": "/nonexistent", "DISPLAY": ""},
-        timeout=120,
-    )
-    assert child.returncode == REFUSED
-    assert child.stderr.count("\n") == 1, child.stderr

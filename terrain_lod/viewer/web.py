@@ -177,10 +177,20 @@ class Page:
             with layout.drawer as drawer:
                 drawer.width = 330
                 self._build_controls()
-                html.Pre("{{ readout.join('\\n') }}", id="readout", style=_PRE)
-                html.Pre("{{ note.join('\\n') }}", id="note", style=_PRE)
-            with layout.content, vuetify3.VContainer(fluid=True, classes="pa-0 fill-height"):
+            with (
+                layout.content,
+                vuetify3.VContainer(
+                    fluid=True, classes="pa-0 fill-height", style="position: relative"
+                ),
+            ):
                 self._view = PyVistaRemoteView(self.window.plotter, interactive_ratio=1)
+                html.Pre("{{ readout.join('\\n') }}", id="readout", style=f"{_GLASS}; top: 0")
+                html.Pre(
+                    "{{ note.join('\\n') }}",
+                    v_show="note.length",
+                    id="note",
+                    style=f"{_GLASS}; bottom: 0",
+                )
 
     def _build_controls(self) -> None:
         from trame.widgets import html, vuetify3
@@ -214,7 +224,10 @@ class Page:
 
 
 _DENSE: Final = {"density": "compact", "hide_details": True, "classes": "mx-3 my-1"}
-_PRE: Final = "font-size: 11px; white-space: pre-wrap; margin: 8px 16px"
+_GLASS: Final = (
+    "position: absolute; left: 0; margin: 8px; padding: 4px 8px; font-size: 12px; "
+    "background: rgba(255, 255, 255, 0.65); pointer-events: none; z-index: 1"
+)
 
 
 def require_page(host: str, port: int) -> None:

@@ -1,0 +1,99 @@
+"""What a viewer can be set to: tables, sliders, and the levels of detail that come of them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import fields, replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from terrain_lod import ScreenErrorLod, UniformLod, Weighted
+from terrain_lod.errors import InputError
+from terrain_lod.viewer.mesh_settings import BezierSettings, CurvedSettings
+from terrain_lod.viewer.terrain_settings import MODES, TILES, TerrainSettings
+
+SETTINGS = TerrainSettings(diagonal=1000.0)
+EVERY = [kind(diagonal=1000.0) for kind in (TerrainSettings, CurvedSettings, BezierSettings)]
+
+
+@pytest.mark.parametrize("settings", EVERY)
+def test_every_control_is_a_setting(settings):
+    names = {field.name for field in fields(settings)}
+    assert {choice.name for choice in settings.choices} <= names
+    assert {slider.name for slider in settings.numbers} <= names
+    keys = [choice.key for choice in settings.choices]
+    assert len(set(keys)) == len(keys)
+    assert not set(keys) & set("wasdgrucvhq")
+    for choice in settings.choices:
+        assert getattr(settings, choice.name) in choice.values
+    for slider in settings.numbers:
+        assert slider.nearest(getattr(settings, slider.name)) == getattr(settings, slider.name)
+
+
+@given(st.sampled_from(EVERY), st.floats(allow_nan=False), st.data())
+def test_any_slider_anywhere_gives_a_level_of_detail(settings, value, data):
+    for choice in settings.choices:
+        settings = settings.changed(choice.name, data.draw(st.sampled_from(choice.values)))
+    slider = data.draw(st.sampled_from(settings.numbers))
+    if math.isinf(value):
+        with pytest.raises(InputError, match="finite"):
+            settings.changed(slider.name, value)
+        return
+    settings = settings.changed(slider.name, value)
+    assert slider.low <= getattr(settings, slider.name) <= slider.high
+    # raises where near and far, or minimum and maximum, cross
+    if isinstance(settings, TerrainSettings):
+        settings.detail()
+    if isinstance(settings, CurvedSettings):
+        settings.formula()
+
+
+def test_sliders_that_matter_and_their_scale():
+    names = [slider.name for slider in SETTINGS.changed("lod", "coplanarity").sliders]
+    formula = ["near", "far", "minimum", "maximum", "flat_weight"]
+    always = ["horizon", "silhouette", "tile", "azimuth", "elevation"]
+    assert names == formula + always
+    for slider in SETTINGS.numbers:
+        assert slider.of_scale(slider.on_scale(slider.high)) == pytest.approx(slider.high)
+    assert [slider.name for slider in EVERY[2].sliders] == ["factor", "azimuth", "elevation"]
+    assert "crease" in {slider.name for slider in EVERY[1].changed("sharp", "angle").sliders}
+    assert "crease" not in {slider.name for slider in EVERY[1].sliders}
+
+
+def test_the_tile_slider_has_stops():
+    for value, stop in ((1, 3), (13, 15), (12, 11), (64, 63), (40, 45)):
+        assert SETTINGS.changed("tile", value).tile == stop
+    assert all(isinstance(SETTINGS.changed("tile", tile).tile, int) for tile in TILES)
+    assert replace(SETTINGS, tile=12).tile == 12  # as the command line may ask
+    with pytest.raises(InputError, match="from 1 to 63 for tile"):
+        replace(SETTINGS, tile=64)
+
+
+def test_choices_go_round_and_refuse_what_they_do_not_know():
+    settings = SETTINGS
+    for _ in MODES:
+        settings = settings.next("mode")
+    assert settings == SETTINGS
+    with pytest.raises(InputError, match="expected one of shaded"):
+        SETTINGS.changed("mode", "cubist")
+    with pytest.raises(InputError, match="expected one of shaded, wireframe, lod, normals"):
+        EVERY[1].changed("mode", "deviation")
+    with pytest.raises(InputError, match="unknown setting 'colour': expected one of mode, lod"):
+        SETTINGS.changed("colour", "red")
+
+
+def test_weights_weigh_and_none_do_not():
+    assert SETTINGS.detail() == ScreenErrorLod(1.0)
+    weighted = SETTINGS.changed("horizon", 3.0).changed("silhouette", 2.0)
+    assert weighted.detail() == Weighted(ScreenErrorLod(1.0), horizon=3.0, silhouette=2.0)
+
+
+def test_edge_rule_and_tessellation_follow_the_level_of_detail():
+    assert SETTINGS.edge_rule == "edge"
+    assert SETTINGS.changed("lod", "distance").edge_rule == "min"
+    assert SETTINGS.changed("lod", "distance").changed("edges", "max").edge_rule == "max"
+    flat = SETTINGS.changed("tessellated", False)
+    assert flat.detail() == UniformLod(1.0)
+    assert flat.edge_rule == "min"
