@@ -39,7 +39,7 @@ PYOPENCL_VARIABLE: Final = "PYOPENCL_CTX"
 POCL: Final = "Portable Computing Language"
 
 # larger allocations are given back at once
-_LARGEST_KEPT: Final = 2**28
+_MOST_KEPT: Final = 2**28
 _LANES: Final = 8  # of a CPU's vectors
 
 _listing_process: int | None = None  # which process has listed devices
@@ -315,15 +315,16 @@ class Device:
     def allocate(self, nbytes: int) -> cl.MemoryObject:
         """Return memory, used before where there is some: pages new to a CPU cost most of all.
 
-        What arrays have freed is kept for the next, which the queue's order makes safe, and given
-        back before the device runs short.
+        What arrays have freed is kept for the next, which the queue's order makes safe; given back
+        are more than a picture needs, and all before the device runs short.
         """
         with self.lock:
-            if nbytes > _LARGEST_KEPT:
+            held = self._pool.managed_bytes - self._pool.active_bytes
+            short = self._pool.managed_bytes + nbytes > self.info.memory // 2
+            if max(nbytes, held) > _MOST_KEPT or short:
                 self._pool.free_held()
+            if nbytes > _MOST_KEPT:
                 return cl.Buffer(self.context, cl.mem_flags.READ_WRITE, nbytes)
-            if self._pool.managed_bytes + nbytes > self.info.memory // 2:
-                self._pool.free_held()
             return self._pool.allocate(nbytes)
 
     def account(self, nbytes: int) -> None:

@@ -131,7 +131,7 @@ def test_accessor_is_there_without_an_import_and_goes_back_and_forth(tmp_path):
 def test_accessor_keeps_texture_coordinates():
     corners = np.float32([[0, 0, 0], [1, 0, 0], [0, 1, 0]])
     textures = corners[:, :2] / 2
-    mesh = tl.Mesh(
+    mesh = Mesh(
         corners,
         np.tile(np.float32([0, 0, 1]), (3, 1)),
         np.int32([[0, 1, 2]]),
