@@ -138,13 +138,6 @@ def tour(controls: Controls) -> Iterator[Callable[[], None]]:
     yield window.reload
     settings = window.model.scene.settings
     stops = [(slider.name, stop) for slider in settings.numbers for stop in slider.stops]
-    for choice in settings.choices:
-        first, *rest = choice.values
-        for value in (*rest, first):
-            yield lambda name=choice.name, value=value: window.change(name, value)
-            # kernels are built for each tile size and edge rule, and kept
-            for name, stop in stops if choice.name == "edges" else ():
-                yield lambda name=name, stop=stop: window.change(name, stop)
     # the largest meshes that there are, in every mode: drivers keep room for the largest so far.
     # All of the ground is in view; powers of two make 8 segments of 5 cells
     yield lambda: window.drive(window.home.zoom(0.3))
@@ -157,6 +150,13 @@ def tour(controls: Controls) -> Iterator[Callable[[], None]]:
         yield lambda mode=mode: window.change("mode", mode)
     yield lambda: window.apply(window.model.scene.settings)
     yield lambda: window.drive(window.home)
+    for choice in settings.choices:
+        first, *rest = choice.values
+        for value in (*rest, first):
+            yield lambda name=choice.name, value=value: window.change(name, value)
+            # kernels are built for each tile size and edge rule, and kept
+            for name, stop in stops if choice.name == "edges" else ():
+                yield lambda name=name, stop=stop: window.change(name, stop)
     # every level of detail at its extremes, in large tiles and small ones
     for choice in settings.choices:
         for value in choice.values if choice.name in ("lod", "sharp") else ():
