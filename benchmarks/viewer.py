@@ -150,13 +150,6 @@ def tour(controls: Controls) -> Iterator[Callable[[], None]]:
         yield lambda mode=mode: window.change("mode", mode)
     yield lambda: window.apply(window.model.scene.settings)
     yield lambda: window.drive(window.home)
-    for choice in settings.choices:
-        first, *rest = choice.values
-        for value in (*rest, first):
-            yield lambda name=choice.name, value=value: window.change(name, value)
-            # kernels are built for each tile size and edge rule, and kept
-            for name, stop in stops if choice.name == "edges" else ():
-                yield lambda name=name, stop=stop: window.change(name, stop)
     # every level of detail at its extremes, in large tiles and small ones
     for choice in settings.choices:
         for value in choice.values if choice.name in ("lod", "sharp") else ():
@@ -165,6 +158,13 @@ def tour(controls: Controls) -> Iterator[Callable[[], None]]:
                 for share in (1.0, 0.0, 1.0):
                     yield lambda name=slider.name, share=share: slide(controls, name, share)
     yield lambda: window.apply(window.model.scene.settings)
+    for choice in settings.choices:
+        first, *rest = choice.values
+        for value in (*rest, first):
+            yield lambda name=choice.name, value=value: window.change(name, value)
+            # kernels are built for each tile size and edge rule, and kept
+            for name, stop in stops if choice.name == "edges" else ():
+                yield lambda name=name, stop=stop: window.change(name, stop)
 
 
 def stress(window: Window, controls: Controls, count: int) -> None:

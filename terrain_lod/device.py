@@ -39,7 +39,7 @@ PYOPENCL_VARIABLE: Final = "PYOPENCL_CTX"
 POCL: Final = "Portable Computing Language"
 
 # larger allocations are given back at once
-_MOST_KEPT: Final = 2**28
+_LARGEST_KEPT: Final = 2**28
 _LANES: Final = 8  # of a CPU's vectors
 
 _listing_process: int | None = None  # which process has listed devices
@@ -249,6 +249,7 @@ class Device:
         self.lock = threading.RLock()
         self.allocated = 0
         self._pool = MemoryPool(ImmediateAllocator(self.queue))
+        self._lately = 0.0  # bytes in use at a time
         self.has_doubles = "cl_khr_fp64" in handle.extensions.split()
         self._exact_division = bool(
             handle.single_fp_config & cl.device_fp_config.CORRECTLY_ROUNDED_DIVIDE_SQRT
@@ -315,15 +316,17 @@ class Device:
     def allocate(self, nbytes: int) -> cl.MemoryObject:
         """Return memory, used before where there is some: pages new to a CPU cost most of all.
 
-        What arrays have freed is kept for the next, which the queue's order makes safe; given back
-        are more than a picture needs, and all before the device runs short.
+        What arrays have freed is kept for the next, which the queue's order makes safe: about as
+        much as was lately in use at a time, and none where the device would run short.
         """
         with self.lock:
             held = self._pool.managed_bytes - self._pool.active_bytes
+            # half of it is forgotten in ten meshes, of some thirty arrays each
+            self._lately = max(0.998 * self._lately, self._pool.active_bytes + nbytes)
             short = self._pool.managed_bytes + nbytes > self.info.memory // 2
-            if max(nbytes, held) > _MOST_KEPT or short:
+            if nbytes > _LARGEST_KEPT or held > 1.5 * self._lately or short:
                 self._pool.free_held()
-            if nbytes > _MOST_KEPT:
+            if nbytes > _LARGEST_KEPT:
                 return cl.Buffer(self.context, cl.mem_flags.READ_WRITE, nbytes)
             return self._pool.allocate(nbytes)
 
