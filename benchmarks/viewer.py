@@ -199,6 +199,7 @@ def stress(window: Window, controls: Controls, count: int) -> None:
 
 def resident() -> int:
     """Return the bytes that this process holds in memory, after giving back what it can."""
+    tl.Device.open().trim()
     trim = getattr(CDLL(None), "malloc_trim", None)
     if trim is not None:
         trim(0)

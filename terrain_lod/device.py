@@ -330,6 +330,11 @@ class Device:
                 return cl.Buffer(self.context, cl.mem_flags.READ_WRITE, nbytes)
             return self._pool.allocate(nbytes)
 
+    def trim(self) -> None:
+        """Give back the memory that freed arrays have left for the next."""
+        with self.lock:
+            self._pool.free_held()
+
     def account(self, nbytes: int) -> None:
         """Count `nbytes` more in use, or fewer; arrays call it as they come and go."""
         with self.lock:
