@@ -25,6 +25,7 @@ import terrain_lod as tl
 from terrain_lod.viewer import scene_of
 from terrain_lod.viewer.camera_path import flyover
 from terrain_lod.viewer.controls import Controls
+from terrain_lod.viewer.memory import keep_large_blocks_apart
 from terrain_lod.viewer.model import Model
 from terrain_lod.viewer.scene import Scene
 from terrain_lod.viewer.terrain_scene import TerrainScene
@@ -225,6 +226,7 @@ def main() -> None:
     parser.add_argument("--frames", type=int, default=60)
     parser.add_argument("--events", type=int, default=0)
     options = parser.parse_args()
+    keep_large_blocks_apart()
     model = Model(lambda: scene(options.what))
     camera = replace(model.scene.camera(), size=tuple(options.size))
     window = Window(model, camera, off_screen=True)

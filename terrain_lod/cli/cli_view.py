@@ -87,11 +87,13 @@ def view(
     sun
         Where the light comes from: degrees clockwise from north, degrees above the horizon.
     """
+    from ..viewer.memory import keep_large_blocks_apart
     from ..viewer.model import Model
 
     if output is not None and not off_screen:
         raise InputError("expected --off-screen with --output: in a window, c takes a picture")
     whole("frames", frames, 1, 100_000)
+    keep_large_blocks_apart()
     chosen: dict[str, Any] = {"mode": mode, "lod": lod, "factor": factor}
     if sun is not None:
         chosen |= {"azimuth": sun[0] % 360, "elevation": sun[1]}

@@ -1,0 +1,22 @@
+"""Memory over a long flight: large blocks apart from small ones."""
+
+from __future__ import annotations
+
+from ctypes import CDLL
+from typing import Final
+
+# glibc's name for it, and where it begins: larger than what most views need
+_M_MMAP_THRESHOLD: Final = -3
+_LARGE: Final = 2**22
+
+
+def keep_large_blocks_apart() -> None:
+    """Have the C library give large blocks back to the system as they are freed, where it is glibc.
+
+    By itself it learns from the first large block that is freed to keep such blocks, and meshes of
+    ever other sizes leave holes between them. This is for the whole process.
+    """
+    try:
+        CDLL(None).mallopt(_M_MMAP_THRESHOLD, _LARGE)
+    except (AttributeError, OSError, TypeError):
+        pass  # another C library
