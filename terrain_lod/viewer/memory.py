@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from ctypes import CDLL
 from typing import Final
 
@@ -16,7 +17,6 @@ def keep_large_blocks_apart() -> None:
     By itself it learns from the first large block that is freed to keep such blocks, and meshes of
     ever other sizes leave holes between them. This is for the whole process.
     """
-    try:
+    # others do not know it
+    with suppress(AttributeError, OSError, TypeError):
         CDLL(None).mallopt(_M_MMAP_THRESHOLD, _LARGE)
-    except (AttributeError, OSError, TypeError):
-        pass  # another C library
