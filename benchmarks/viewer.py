@@ -135,35 +135,35 @@ def resize_or_reload(controls: Controls, rng: np.random.Generator) -> None:
 def tour(controls: Controls) -> Iterator[Callable[[], None]]:
     """Yield events that lead once to everything there is: what is kept for good is then there."""
     window = controls.window
-    yield lambda: window.plotter.render_window.SetSize(900, 900)
-    yield window.reload
     settings = window.model.scene.settings
     stops = [(slider.name, stop) for slider in settings.numbers for stop in slider.stops]
+    yield lambda: window.plotter.render_window.SetSize(900, 900)
+    yield window.reload
     # the largest meshes that there are, in every mode: drivers keep room for the largest so far.
     # All of the ground is in view; powers of two make 8 segments of 5 cells
     yield lambda: window.drive(window.home.zoom(0.3))
     yield lambda: window.apply(replace(window.settings, lod="uniform", partitioning="pow2"))
-    for name in ("factor", *dict(stops)):
-        yield lambda name=name: slide(controls, name, 1.0)
-    for name, stop in stops[1:2]:
+    for name, stop in (("factor", 1e9), *stops[1:2]):
         yield lambda name=name, stop=stop: window.change(name, stop)
     for mode in settings.modes:
         yield lambda mode=mode: window.change("mode", mode)
-    yield lambda: window.apply(window.model.scene.settings)
+    yield lambda: window.apply(settings)
     yield lambda: window.drive(window.home)
-    # every level of detail at its extremes, in large tiles and small ones
+    # every slider at its ends, and with every kind of detail that it is for
+    seen = {"tile"}
     for choice in settings.choices:
         for value in choice.values if choice.name in ("lod", "sharp") else ():
             yield lambda name=choice.name, value=value: window.change(name, value)
             for slider in settings.changed(choice.name, value).sliders:
-                for share in (1.0, 0.0, 1.0):
+                for share in (0.0, 1.0) if slider.name not in seen else ():
                     yield lambda name=slider.name, share=share: slide(controls, name, share)
-    yield lambda: window.apply(window.model.scene.settings)
+                seen.add(slider.name)
+    yield lambda: window.apply(settings)
     for choice in settings.choices:
         first, *rest = choice.values
         for value in (*rest, first):
             yield lambda name=choice.name, value=value: window.change(name, value)
-            # kernels are built for each tile size and edge rule, and kept
+            # kernels are built for each tile size and edge rule
             for name, stop in stops if choice.name == "edges" else ():
                 yield lambda name=name, stop=stop: window.change(name, stop)
 
@@ -191,11 +191,10 @@ def stress(window: Window, controls: Controls, count: int) -> None:
             marks.append(resident())
             print(f"after {number:5} events {marks[-1] / 2**20:8.1f} MiB resident", flush=True)
             window.apply(settings)
-    # meshes come and go meanwhile: the least of several is what stays
-    first, last, modes = min(marks[:5]), min(marks[5:]), len(window.settings.modes)
+    later = [mark / marks[0] - 1 for mark in marks[1:]]
     print(
-        f"grown by {100 * (last / first - 1):.1f} % from the least of the first five to the least "
-        f"of the last; {len(shown)} of {modes} modes shown"
+        f"since the first {100 * later[-1]:+.1f} %, at most {100 * max(later):+.1f} %; "
+        f"{len(shown)} of {len(window.settings.modes)} modes shown"
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
@@ -14,6 +15,8 @@ from .errors import InputError
 
 Point = tuple[float, float, float]
 Vectors = npt.NDArray[np.float64]
+
+_FARTHEST: Final = 1e30  # squares of squares stay finite
 
 
 @dataclass(frozen=True)
@@ -153,7 +156,10 @@ def _point(name: str, value: object) -> Point:
         x, y, z = value  # type: ignore[misc]
     except (TypeError, ValueError):
         raise InputError(f"expected x, y, z for {name}, got {value!r}") from None
-    return finite(name, x), finite(name, y), finite(name, z)  # type: ignore[has-type]
+    point = finite(name, x), finite(name, y), finite(name, z)  # type: ignore[has-type]
+    if max(map(abs, point)) > _FARTHEST:
+        raise InputError(f"expected {name} within {_FARTHEST:g} of the origin, got {point}")
+    return point
 
 
 def _unit(vector: Vectors) -> Vectors:

@@ -41,6 +41,9 @@ POCL: Final = "Portable Computing Language"
 # larger allocations are given back at once
 _LARGEST_KEPT: Final = 2**28
 _LANES: Final = 8  # of a CPU's vectors
+# programs that are kept built: ground at two tile sizes and a mesh beside it want no more. PoCL
+# holds 3 to 5 MB for each
+_KEPT: Final = 32
 
 _listing_process: int | None = None  # which process has listed devices
 _opening = threading.Lock()
@@ -254,8 +257,8 @@ class Device:
         self._exact_division = bool(
             handle.single_fp_config & cl.device_fp_config.CORRECTLY_ROUNDED_DIVIDE_SQRT
         )
-        self._programs: dict[tuple[str, str], cl.Program] = {}
-        self._kernels: dict[tuple[tuple[str, str], str], Kernel] = {}
+        # by file and defines, the one used last at the end
+        self._programs: dict[tuple[str, str], tuple[cl.Program, dict[str, Kernel]]] = {}
         self._timelines: list[Timeline] = []
 
     @classmethod
@@ -361,23 +364,27 @@ class Device:
     # kernels
 
     def kernel(self, file: str, name: str, **defines: int | float | str) -> Kernel:
-        """Return kernel `name` of ``kernels/<file>``, built once a set of `defines` and kept.
+        """Return kernel `name` of ``kernels/<file>``, built for a set of `defines`.
+
+        Programs that were lately asked for are kept.
 
         Raises
         ------
         DeviceError
             With the compiler's log, if it does not build.
         """
-        program_key = (file, repr(sorted(defines.items())))  # 1, 1.0 and True differ
+        key = (file, repr(sorted(defines.items())))  # 1, 1.0 and True differ
         with self.lock:
-            if (program_key, name) not in self._kernels:
-                if program_key not in self._programs:
-                    self._programs[program_key] = self._build(file, defines)
+            if key not in self._programs:
+                self._programs[key] = self._build(file, defines), {}
+            program, kernels = self._programs[key] = self._programs.pop(key)
+            if len(self._programs) > _KEPT:
+                del self._programs[next(iter(self._programs))]
+            if name not in kernels:
                 with _named(f"kernel {name} of kernels/{file}"):
-                    handle = cl.Kernel(self._programs[program_key], name)
-                stage = file.removesuffix(".cl")
-                self._kernels[program_key, name] = Kernel(self, handle, stage)
-            return self._kernels[program_key, name]
+                    handle = cl.Kernel(program, name)
+                kernels[name] = Kernel(self, handle, stage=file.removesuffix(".cl"))
+            return kernels[name]
 
     def _build(self, file: str, defines: Mapping[str, int | float | str]) -> cl.Program:
         options = ["-cl-std=CL1.2", "-cl-kernel-arg-info"]

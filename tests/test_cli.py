@@ -290,6 +290,7 @@ def test_bad_ground(ground, capsys, command, name, message):
         (["--eye", "0,9,0", "--target", "0,0,0", "--up", "0,1,0"], "parallel"),
         (["--eye", "1,2"], "expected X,Y,Z, got '1,2'"),
         (["--eye", "nan,2,3"], "finite eye"),
+        (["--eye", "1e300,0,0"], "expected eye within 1e+30 of the origin, got (1e+300, 0.0, 0.0)"),
         (["--fov", "0"], "fov between 0 and 180"),
         (["--size", "0x10"], "size"),
         (["--near", "100", "--far", "100"], "far > near, got far 100 and near 100"),

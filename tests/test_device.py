@@ -232,6 +232,22 @@ def test_a_kernel_is_built_once_for_its_defines(device: Device, folder: Path) ->
     assert out.host() == 0.5
 
 
+def test_programs_lately_asked_for_are_kept_and_others_are_built_again(
+    device: Device, folder: Path
+) -> None:
+    (folder / "many.cl").write_text("kernel void many(global int *out) { out[0] = NUMBER; }")
+    first, second = (device.kernel("many.cl", "many", NUMBER=number) for number in (0, 1))
+    for number in range(2, 40):
+        device.kernel("many.cl", "many", NUMBER=number)
+        assert device.kernel("many.cl", "many", NUMBER=0) is first  # so it is never the oldest
+    again = device.kernel("many.cl", "many", NUMBER=1)
+    assert again is not second
+    out = device.zeros(1, np.int32)
+    for kernel, number in ((first, 0), (second, 1), (again, 1)):
+        kernel((1,), (1,), out=out)
+        assert out.host() == number
+
+
 # launching
 
 

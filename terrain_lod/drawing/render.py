@@ -18,7 +18,7 @@ from ..camera import Camera
 from ..errors import InputError
 from ..files import replacing, require_folder
 from ..mesh import Mesh
-from .colours import Colours, hypsometric, lit, lod_colours, mixed, sun_direction, to_bytes
+from .colours import Colours, facing, hypsometric, lit, lod_colours, mixed, sun_direction, to_bytes
 from .drape import Drape
 from .graphics import require_graphics
 
@@ -189,7 +189,7 @@ def _by_detail(
     a, b, c = (mesh.vertices[mesh.triangles[:, corner]] for corner in range(3))
     across = np.cross(b - a, c - a)
     across /= np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-30)
-    light = 0.55 + 0.45 * np.maximum(across @ sun, 0.0)
+    light = 0.55 + 0.45 * facing(across, sun)
     return (detail[mesh.triangle_patches] * light[:, None]).astype(np.float32)
 
 

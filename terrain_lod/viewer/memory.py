@@ -1,4 +1,4 @@
-"""Memory over a long flight: large blocks apart from small ones."""
+"""Memory over a long flight: what the C library keeps."""
 
 from __future__ import annotations
 
@@ -6,9 +6,12 @@ from contextlib import suppress
 from ctypes import CDLL
 from typing import Final
 
-# glibc's name for it, and where it begins: larger than what most views need
+# glibc's names. Larger blocks than what most views need are the system's as soon as they are
+# freed; of smaller ones so much is kept, for pages that are new cost most of all
+_M_TRIM_THRESHOLD: Final = -1
 _M_MMAP_THRESHOLD: Final = -3
 _LARGE: Final = 2**22
+_KEPT: Final = 2**25
 
 
 def keep_large_blocks_apart() -> None:
@@ -20,3 +23,4 @@ def keep_large_blocks_apart() -> None:
     # others do not know it
     with suppress(AttributeError, OSError, TypeError):
         CDLL(None).mallopt(_M_MMAP_THRESHOLD, _LARGE)
+        CDLL(None).mallopt(_M_TRIM_THRESHOLD, _KEPT)

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from ..drawing.colours import (
     Colours,
     Stops,
+    facing,
     hypsometric,
     lit,
     lod_colours,
@@ -81,7 +82,7 @@ def by_height(mesh: Mesh, sun: Sun, height_range: tuple[float, float]) -> Paint:
 
 def of_clay(mesh: Mesh, sun: Sun) -> Paint:
     """Leave the mesh in one colour under the sun, with some light from all around."""
-    facing_sun = np.maximum(mesh.normals @ sun_direction(*sun), 0.0)
+    facing_sun = facing(mesh.normals, sun_direction(*sun))
     light = np.minimum(0.32 + 0.15 * mesh.normals[:, 2] + 0.58 * facing_sun, 1.0)
     colours = light[:, None] * np.asarray(CLAY, np.float32)
     return Paint(to_bytes(colours.astype(np.float32)), "one colour, under the sun")
@@ -139,8 +140,7 @@ def by_normal(mesh: Mesh) -> Paint:
 
 
 def _light(normals: npt.NDArray[np.float32], sun: Sun) -> npt.NDArray[np.float32]:
-    light: npt.NDArray[np.float32] = np.maximum(normals @ sun_direction(*sun), 0.0)
-    return _SHADE + (1 - _SHADE) * light
+    return _SHADE + (1 - _SHADE) * facing(normals, sun_direction(*sun))
 
 
 def _of_patches(
