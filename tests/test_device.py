@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from terrain_lod import layout
-from terrain_lod.device import Device, devices
+from terrain_lod.device import DEVICE_VARIABLE, PYOPENCL_VARIABLE, Device, devices
 from terrain_lod.errors import DeviceError, DeviceMemoryError, InputError
 from terrain_lod.opencl import sources
 from terrain_lod.opencl.device_info import DeviceInfo, find_device
@@ -36,13 +36,15 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def in_a_child(code: str, **environment: str) -> str:
-    """Run `code` in a fresh interpreter and return what it printed."""
+    """Run `code` in a fresh interpreter, no device chosen, and return what it printed."""
+    chosen = (DEVICE_VARIABLE, PYOPENCL_VARIABLE)
+    own = {name: value for name, value in os.environ.items() if name not in chosen}
     child = subprocess.run(
         [sys.executable, "-c", code],
         capture_output=True,
         text=True,
         timeout=120,
-        env={**os.environ, **environment},
+        env={**own, **environment},
     )
     return child.stdout + child.stderr
 
