@@ -193,7 +193,7 @@ def test_a_pick_tells_tile_factors_plane_and_height(scene):
     row, column = 100, 50  # of the raster
     x, y = ORIGIN[0] + 30.0 * column, ORIGIN[1] - 30.0 * row
     pick = frame.at(x, y)
-    assert pick.tile == (100 // 15, 50 // 15)
+    assert pick.tile == (100 // 7, 50 // 7)
     assert pick.point[2] == pytest.approx(float(ground.heights[row, column]) + ground.base)
     index = pick.tile[0] * frame.mesh.patches.shape[1] + pick.tile[1]
     assert pick.edge_factors == pytest.approx(tuple(frame.mesh.patches.edge_factors[index]))

@@ -71,6 +71,14 @@ def test_the_tile_slider_has_stops():
         replace(SETTINGS, tile=64)
 
 
+def test_factors_that_were_all_of_a_tile_stay_so():
+    larger = SETTINGS.changed("tile", 31)
+    assert (SETTINGS.tile, SETTINGS.factor, SETTINGS.maximum) == (7, 7, 7)
+    assert (larger.tile, larger.factor, larger.maximum) == (31, 31, 31)
+    chosen = larger.changed("factor", 5.0).changed("minimum", 20.0).changed("tile", 15)
+    assert (chosen.factor, chosen.minimum, chosen.maximum) == (5, 15, 15)
+
+
 def test_choices_go_round_and_refuse_what_they_do_not_know():
     settings = SETTINGS
     for _ in MODES:

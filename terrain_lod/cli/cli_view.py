@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -11,7 +10,7 @@ from cyclopts import Parameter
 
 from ..arguments import whole
 from ..errors import InputError
-from .options import CameraOptions, GroundOptions, Sun, TerrainOptions
+from .options import CameraOptions, GroundOptions, Sun
 from .output import log, say
 
 if TYPE_CHECKING:
@@ -41,9 +40,10 @@ def view(
     factor: float | None = None,
     y_up: bool = False,
     sun: Sun = None,
+    tile: int | None = None,
+    device: str | None = None,
     reading: GroundOptions = GroundOptions(),  # noqa: B008
     camera: CameraOptions = CameraOptions(),  # noqa: B008
-    terrain: TerrainOptions = TerrainOptions(),  # noqa: B008
 ) -> None:
     """Look at ground or a curved mesh: fly over it, and see what its level of detail does.
 
@@ -86,6 +86,10 @@ def view(
         The mesh's own y axis points up. glTF files say so themselves.
     sun
         Where the light comes from: degrees clockwise from north, degrees above the horizon.
+    tile
+        Cells along a tile, 1 to 63. Of ground alone. Default: 7, or 15 on large ground.
+    device
+        cpu, gpu, a number or part of a name, see doctor. Default: a GPU if there is one.
     """
     from ..viewer.memory import keep_large_blocks_apart
     from ..viewer.model import Model
@@ -98,7 +102,7 @@ def view(
     if sun is not None:
         chosen |= {"azimuth": sun[0] % 360, "elevation": sun[1]}
     path = Path(subject) if Path(subject).exists() else None
-    model = Model(lambda: _scene(subject, reading, terrain, y_up), path=path)
+    model = Model(lambda: _scene(subject, reading, tile, device, y_up), path=path)
     settings = model.scene.settings
     for name, value in chosen.items():
         if value is not None:
@@ -126,8 +130,11 @@ def view(
         show(model, eye, record=record)
 
 
-def _scene(name: str, reading: GroundOptions, terrain: TerrainOptions, y_up: bool) -> Scene:
+def _scene(
+    name: str, reading: GroundOptions, tile: int | None, device: str | None, y_up: bool
+) -> Scene:
     """Return what is to be looked at, by the ending of its name."""
+    from ..device import Device
     from ..files.bpt import load_bpt
     from ..files.loading import FORMATS
     from ..files.mesh_loading import load_mesh
@@ -138,15 +145,14 @@ def _scene(name: str, reading: GroundOptions, terrain: TerrainOptions, y_up: boo
     if not Path(name).suffix or name.lower().endswith(endings):
         if y_up:
             raise InputError(f"expected a mesh with --y-up, got the ground {name}")
-        scene = TerrainScene(reading.load(name), device=terrain.open())
-        scene.settings = replace(scene.settings, tile=terrain.tile)
+        scene = TerrainScene(reading.load(name), device=Device.open(device))
+        if tile is not None:
+            scene.settings = scene.settings.with_tile(tile)
         log("%r", scene.ground)
         return scene
-    given = [option for option, value in vars(reading).items() if value is not None]
-    given += [] if terrain.tile == TerrainOptions.tile else ["tile"]
-    if given:
-        option = "--" + given[0].replace("_", "-")
-        raise InputError(f"expected a raster with {option}, got {name}")
+    for option, value in {**vars(reading), "tile": tile}.items():
+        if value is not None:
+            raise InputError(f"expected a raster with --{option.replace('_', '-')}, got {name}")
     if name.lower().endswith(".bpt"):
-        return BezierScene(load_bpt(name), y_up=y_up, device=terrain.open())
-    return CurvedScene(load_mesh(name), y_up=y_up, device=terrain.open())
+        return BezierScene(load_bpt(name), y_up=y_up, device=Device.open(device))
+    return CurvedScene(load_mesh(name), y_up=y_up, device=Device.open(device))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
@@ -11,6 +12,7 @@ from ..camera import Camera, Point
 from ..device import Device
 from ..drawing.viewpoint import default_camera
 from ..heightmap import Heightmap
+from ..layout import DEFAULT_TILE
 from ..measure.error import vertical_error
 from ..measure.screen_error import screen_error
 from ..terrain import Terrain
@@ -18,6 +20,8 @@ from .scene import Frame, Pick, Request, Scene, numbered
 from .terrain_settings import TerrainSettings
 from .viewer_camera import ground_seen, height_at
 from .viewer_colours import Paint, by_deviation, by_error, by_height, by_normal, paper
+
+_LARGE: Final = 2**22  # samples beyond which the number of small tiles costs more than they save
 
 
 @dataclass(frozen=True)
@@ -160,6 +164,8 @@ class TerrainScene(Scene):
         self.centre = ground.centre
         self.diagonal = float(np.hypot(*ground.extent))
         self.settings = TerrainSettings(diagonal=self.diagonal)
+        if ground.heights.size > _LARGE:
+            self.settings = self.settings.with_tile(DEFAULT_TILE)
         self._terrain: Terrain | None = None
 
     def camera(self) -> Camera:

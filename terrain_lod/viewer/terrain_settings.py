@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Final
+from dataclasses import dataclass, replace
+from typing import Any, Final
 
 from ..arguments import whole
-from ..layout import DEFAULT_TILE, MAX_TILE
+from ..layout import MAX_TILE
 from ..lod import (
     BudgetLod,
     CoplanarityLod,
@@ -24,6 +24,8 @@ MODES: Final = ("shaded", "wireframe", "lod", "deviation", "error", "normals")
 LODS: Final = ("screen-error", "max-error", "budget", "coplanarity", "distance", "uniform")
 # each half as many again: kernels are built for each, which takes a second or two the first time
 TILES: Final = (3, 5, 7, 11, 15, 21, 31, 45, 63)
+# small tiles follow a view closest, with the fewest triangles for an error: docs/promises.md
+_TILE: Final = 7
 _PROMISES: Final = LODS[:3]
 _RANGED: Final = ("lod", ("coplanarity", "distance"))
 
@@ -59,9 +61,10 @@ class TerrainSettings(Settings):
     flat_weight: float = 0.0
     horizon: float = 1.0
     silhouette: float = 1.0
-    factor: float = float(DEFAULT_TILE)
+    factor: float = float(_TILE)
+    maximum: float = float(_TILE)
     edges: str = "edge"
-    tile: int = DEFAULT_TILE
+    tile: int = _TILE
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -96,6 +99,18 @@ class TerrainSettings(Settings):
             Slider("tile", "tile, cells", TILES[0], TILES[-1], stops=TILES, logarithmic=True),
             *SUN,
         )
+
+    def with_tile(self, tile: int) -> TerrainSettings:
+        """Return these settings with other tiles; factors that were all of a tile stay so."""
+        factor, maximum = (
+            float(tile) if value == self.tile else value for value in (self.factor, self.maximum)
+        )
+        minimum = min(self.minimum, maximum)
+        return replace(self, tile=tile, factor=factor, minimum=minimum, maximum=maximum)
+
+    def changed(self, name: str, value: Any) -> TerrainSettings:
+        new = super().changed(name, value)
+        return self.with_tile(new.tile) if name == "tile" else new
 
     @property
     def edge_rule(self) -> str:
