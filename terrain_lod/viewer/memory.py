@@ -15,7 +15,7 @@ _KEPT: Final = 2**25
 
 
 def keep_large_blocks_apart() -> None:
-    """Have the C library give large blocks back to the system as they are freed, where it is glibc.
+    """Have the C library give large blocks back as they are freed and keep small ones, if glibc.
 
     By itself it learns from the first large block that is freed to keep such blocks, and meshes of
     ever other sizes leave holes between them. This is for the whole process.
