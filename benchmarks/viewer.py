@@ -1,6 +1,6 @@
 """The viewer: how soon a moved camera has its mesh on screen, and whether anything wears it out.
 
-    python benchmarks/viewer.py [--frames 60]         a flight, each time printed apart
+    python benchmarks/viewer.py [--pixels 0.4]        a flight, each time printed apart
     python benchmarks/viewer.py --events 1000         sliders, keys, mouse, resizes, reloads
     python benchmarks/viewer.py --events 1000 --what pot.bpt
 
@@ -34,6 +34,7 @@ from terrain_lod.viewer.terrain_scene import TerrainScene
 from terrain_lod.viewer.viewer_camera import Rig
 from terrain_lod.viewer.window import Window
 
+_SMALL = 30  # pictures
 KEYS = (*"123456mlpexnbtfgrhwasd", "Up", "Down", "Left", "Right", "F13")
 
 
@@ -190,6 +191,10 @@ def stress(window: Window, controls: Controls, count: int) -> None:
             window.drive(window.home)
             window.plotter.render_window.SetSize(800, 600)
             window.settle(measured=True)
+            # OpenGL in software holds what it last drew, up to 36 MB a time: let that be little
+            window.plotter.render_window.SetSize(64, 48)
+            for _ in range(_SMALL):
+                window.draw()
             marks.append(resident())
             print(f"after {number:5} events {marks[-1] / 2**20:8.1f} MiB resident", flush=True)
             window.apply(settings)
@@ -236,6 +241,7 @@ def main() -> None:
     parser.add_argument("--what", default="ridge", help="bundled ground, a mesh file or a .bpt")
     parser.add_argument("--size", type=int, nargs=2, default=(1920, 1080))
     parser.add_argument("--frames", type=int, default=60)
+    parser.add_argument("--pixels", type=float, help="error that ground is shown with")
     parser.add_argument("--events", type=int, default=0)
     options = parser.parse_args()
     keep_large_blocks_apart()
@@ -243,6 +249,8 @@ def main() -> None:
     camera = replace(model.scene.camera(), size=tuple(options.size))
     window = Window(model, camera, off_screen=True)
     controls = Controls(window)
+    if options.pixels:
+        window.change("pixels", options.pixels)
     window.settle()
     if options.events:
         stress(window, controls, options.events)
