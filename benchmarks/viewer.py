@@ -34,7 +34,7 @@ from terrain_lod.viewer.terrain_scene import TerrainScene
 from terrain_lod.viewer.viewer_camera import Rig
 from terrain_lod.viewer.window import Window
 
-_SMALL = 30  # pictures
+_PICTURES = 30  # as many as a driver may have memory for at a time
 KEYS = (*"123456mlpexnbtfgrhwasd", "Up", "Down", "Left", "Right", "F13")
 
 
@@ -184,25 +184,32 @@ def stress(window: Window, controls: Controls, count: int) -> None:
             event(controls, rng)
         if number <= len(steps) or number % 10 == 0:
             shown.add(settled(window).request.settings.mode)
-        if number % (count // 10) == 0:
-            # the same view each time, so that what is left is what was not given back
+        if number % -(-count // 10) == 0:
             settings = window.settings
-            window.apply(window.model.scene.settings)
-            window.drive(window.home)
-            window.plotter.render_window.SetSize(800, 600)
-            window.settle(measured=True)
-            # OpenGL in software holds what it last drew, up to 36 MB a time: let that be little
-            window.plotter.render_window.SetSize(64, 48)
-            for _ in range(_SMALL):
-                window.draw()
-            marks.append(resident())
+            marks.append(at_rest(window))
             print(f"after {number:5} events {marks[-1] / 2**20:8.1f} MiB resident", flush=True)
             window.apply(settings)
-    later = [mark / marks[0] - 1 for mark in marks[1:]]
+    grown = [mark / marks[0] - 1 for mark in marks]
     print(
-        f"since the first {100 * later[-1]:+.1f} %, at most {100 * max(later):+.1f} %; "
+        f"since the first {100 * grown[-1]:+.1f} %, at most {100 * max(grown):+.1f} %; "
         f"{len(shown)} of {len(window.settings.modes)} modes shown"
     )
+
+
+def at_rest(window: Window) -> int:
+    """Show the same as ever, and return the bytes that this process holds in memory then.
+
+    What is only kept for the next mesh or picture is given back first. OpenGL in software holds
+    what it last drew, up to 36 MB a picture, until it draws the next: let those be little.
+    """
+    window.apply(window.model.scene.settings)
+    window.drive(window.home)
+    window.plotter.render_window.SetSize(800, 600)
+    window.settle(measured=True)
+    window.plotter.render_window.SetSize(64, 48)
+    for _ in range(_PICTURES):
+        window.draw()
+    return resident()
 
 
 def settled(window: Window) -> Frame:

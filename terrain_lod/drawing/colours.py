@@ -131,7 +131,7 @@ def facing(
     """Return the cosine between normals (N, 3) and the sun, 0 where they face away from it.
 
     Without a matrix product: after one, the threads of NumPy's BLAS wait for the next in a busy
-    loop, for longer than a mesh takes.
+    loop, on the cores that kernels and drawing want.
     """
     x, y, z = normals.T
     light: npt.NDArray[np.float32] = sun[0] * x

@@ -6,12 +6,11 @@ from contextlib import suppress
 from ctypes import CDLL
 from typing import Final
 
-# glibc's names. Larger blocks than what most views need are the system's as soon as they are
-# freed; of smaller ones so much is kept, for pages that are new cost most of all
+# glibc's names
 _M_TRIM_THRESHOLD: Final = -1
 _M_MMAP_THRESHOLD: Final = -3
-_LARGE: Final = 2**22
-_KEPT: Final = 2**25
+_LARGE: Final = 2**22  # bytes: more than most arrays of a view
+_KEPT: Final = 2**25  # of what smaller blocks have left, for pages that are new cost most of all
 
 
 def keep_large_blocks_apart() -> None:

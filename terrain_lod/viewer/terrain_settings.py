@@ -24,7 +24,7 @@ MODES: Final = ("shaded", "wireframe", "lod", "deviation", "error", "normals")
 LODS: Final = ("screen-error", "max-error", "budget", "coplanarity", "distance", "uniform")
 # each half as many again: kernels are built for each, which takes a second or two the first time
 TILES: Final = (3, 5, 7, 11, 15, 21, 31, 45, 63)
-# small tiles follow a view closest, with the fewest triangles for an error: docs/promises.md
+# small tiles follow a view closely, with fewer triangles for its error: docs/promises.md
 _TILE: Final = 7
 _PROMISES: Final = LODS[:3]
 _RANGED: Final = ("lod", ("coplanarity", "distance"))
