@@ -20,10 +20,15 @@ from statistics import median
 
 import numpy as np
 from character import character
-from measure import interleaved
 
 import terrain_lod as tl
-from terrain_lod.curved.amplify import WAYS, Amplifier, Scene, triangles_of
+from measure import interleaved
+from terrain_lod.curved.amplify import (
+    WAYS,
+    Amplifier,
+    Scene,
+    triangles_of,
+)
 
 LEVELS = tuple(range(1, 16, 2))
 # what the thesis calls them, and how they are drawn

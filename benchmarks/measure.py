@@ -7,7 +7,7 @@ from statistics import median
 
 import numpy as np
 
-from terrain_lod.device import Device, DeviceArray
+from terrain_lod.device.device import Device, DeviceArray
 
 
 def device_seconds(device: Device, work: Callable[[], object]) -> float:
@@ -39,7 +39,7 @@ def bare_read(device: Device, values: DeviceArray) -> Callable[[], object]:
     """Return work that reads every float of `values` once."""
     group = device.group_size(256)
     groups = 4096 if device.is_gpu else 256
-    kernel = device.kernel("bandwidth.cl", "read_floats", GROUP=group)
+    kernel = device.kernel("common/bandwidth.cl", "read_floats", GROUP=group)
     sums = device.empty(groups * group, np.float32)
     return lambda: kernel((groups * group,), (group,), values=values, count=values.size, sums=sums)
 
@@ -48,7 +48,7 @@ def bare_copy(device: Device, nbytes: int) -> Callable[[], object]:
     """Return work that writes `nbytes` bytes, copied from as many others."""
     group = device.group_size(256)
     groups = 4096 if device.is_gpu else 256
-    kernel = device.kernel("bandwidth.cl", "copy_words", GROUP=group)
+    kernel = device.kernel("common/bandwidth.cl", "copy_words", GROUP=group)
     source, target = (device.zeros(nbytes // 4, np.uint32) for _ in range(2))
     return lambda: kernel(
         (groups * group,), (group,), source=source, count=source.size, target=target

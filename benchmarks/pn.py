@@ -12,10 +12,9 @@ import argparse
 from statistics import median
 
 import numpy as np
-from measure import bare_copy, interleaved, ratio
 
 import terrain_lod as tl
-from terrain_lod import layout
+from measure import bare_copy, interleaved, ratio
 from terrain_lod.curved.adjacency import Adjacency
 from terrain_lod.curved.patch_factors import UniformFactor
 from terrain_lod.curved.pn import (
@@ -25,7 +24,8 @@ from terrain_lod.curved.pn import (
     nets_on_device,
     patch_factors_on_device,
 )
-from terrain_lod.tessellator import tessellate_device
+from terrain_lod.device import layout
+from terrain_lod.tessellation.tessellator import tessellate_device
 
 
 def wavy_torus(triangles: int) -> tl.Mesh:

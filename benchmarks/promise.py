@@ -25,9 +25,9 @@ from statistics import median
 import numpy as np
 
 import terrain_lod as tl
-from terrain_lod.ladder import ladder_on_device
-from terrain_lod.report.compare_peers import PEERS
-from terrain_lod.viewer.camera_path import flyover
+from terrain_lod.camera.path import flyover
+from terrain_lod.report.compare.peers import PEERS
+from terrain_lod.terrain.ladder import ladder_on_device
 
 TILES = (7, 15, 31, 63)
 DELATIN = next(peer for peer in PEERS if peer.name == "pydelatin")

@@ -30,8 +30,8 @@ from terrain_lod.curved.pn import (
     nets_on_device,
     patch_factors_on_device,
 )
-from terrain_lod.curved.semi_uniform import semi_uniform_device
-from terrain_lod.pattern import DevicePattern
+from terrain_lod.tessellation.pattern import DevicePattern
+from terrain_lod.tessellation.semi_uniform import semi_uniform_device
 
 VIEWS = 5
 

@@ -13,13 +13,13 @@ from functools import partial
 from statistics import median
 
 import numpy as np
-from measure import bare_copy, bare_read, interleaved, ratio
 
 import terrain_lod as tl
-from terrain_lod.analysis import analyse_on_device
-from terrain_lod.domain import displace_on_device
-from terrain_lod.grid import TileGrid
-from terrain_lod.ladder import ladder_on_device
+from measure import bare_copy, bare_read, interleaved, ratio
+from terrain_lod.ground.grid import TileGrid
+from terrain_lod.terrain.analysis import analyse_on_device
+from terrain_lod.terrain.domain import displace_on_device
+from terrain_lod.terrain.ladder import ladder_on_device
 
 
 def fractal(samples: int) -> tl.Heightmap:

@@ -15,11 +15,11 @@ from collections.abc import Callable
 from statistics import median
 
 import numpy as np
-from measure import bare_copy, interleaved, ratio
 
 import terrain_lod as tl
-from terrain_lod.factors import DOMAINS, counts
-from terrain_lod.tessellator import tessellate_device
+from measure import bare_copy, interleaved, ratio
+from terrain_lod.tessellation.factors import DOMAINS, counts
+from terrain_lod.tessellation.tessellator import tessellate_device
 
 CASES = [
     ("quad", "fractional_odd"),
@@ -34,7 +34,7 @@ def copy_into_new_memory(device: tl.Device, nbytes: int) -> Callable[[], object]
     """Return work that copies `nbytes` bytes to where nothing was before."""
     group = device.group_size(256)
     items = (4096 if device.is_gpu else 256) * group
-    kernel = device.kernel("bandwidth.cl", "copy_words", GROUP=group)
+    kernel = device.kernel("common/bandwidth.cl", "copy_words", GROUP=group)
     source = device.zeros(nbytes // 4, np.uint32)
     return lambda: kernel(
         (items,),

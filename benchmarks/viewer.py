@@ -23,15 +23,15 @@ from typing import Any
 import numpy as np
 
 import terrain_lod as tl
+from terrain_lod.camera.path import flyover
 from terrain_lod.errors import InputError
-from terrain_lod.viewer import scene_of
-from terrain_lod.viewer.camera_path import flyover
 from terrain_lod.viewer.controls import Controls
 from terrain_lod.viewer.memory import keep_large_blocks_apart
 from terrain_lod.viewer.model import Model
+from terrain_lod.viewer.rig import Rig
 from terrain_lod.viewer.scene import Frame, Scene
 from terrain_lod.viewer.terrain_scene import TerrainScene
-from terrain_lod.viewer.viewer_camera import Rig
+from terrain_lod.viewer.view import scene_of
 from terrain_lod.viewer.window import Window
 
 _PICTURES = 30  # as many as a driver may have memory for at a time

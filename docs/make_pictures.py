@@ -10,9 +10,9 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from terrain_lod.curved.semi_uniform import semi_uniform
 from terrain_lod.drawing.pattern_pictures import save_animation, save_pattern
-from terrain_lod.tessellator import tessellate
+from terrain_lod.tessellation.semi_uniform import semi_uniform
+from terrain_lod.tessellation.tessellator import tessellate
 
 PARTITIONINGS = ("integer", "pow2", "fractional_odd", "fractional_even")
 

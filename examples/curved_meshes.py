@@ -9,7 +9,7 @@ import terrain_lod as tl
 from terrain_lod.curved.patch_factors import SilhouetteFactor
 from terrain_lod.curved.smooth import pn_triangles
 from terrain_lod.drawing.render import render
-from terrain_lod.files.mesh_loading import load_mesh
+from terrain_lod.files.meshes.loading import load_mesh
 from terrain_lod.measure.cracks import crack_report
 
 SUN = (215.0, 45.0)

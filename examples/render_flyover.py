@@ -11,8 +11,8 @@ import argparse
 from pathlib import Path
 
 import terrain_lod as tl
-from terrain_lod.viewer.camera_path import flyover
-from terrain_lod.viewer.flyover import Look, render_path
+from terrain_lod.camera.path import flyover
+from terrain_lod.drawing.flyover import Look, render_path
 
 
 def main() -> None:

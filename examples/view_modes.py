@@ -11,7 +11,7 @@ from pathlib import Path
 from PIL import Image
 
 import terrain_lod as tl
-from terrain_lod.viewer import look
+from terrain_lod.viewer.view import look
 
 SIZE = (800, 450)
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")

@@ -1,1 +1,1 @@
-"""Bundled ground, read as package data by ``terrain_lod.files.samples``."""
+"""Bundled ground, read as package data by ``terrain_lod.files.rasters.samples``."""

@@ -5,8 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from terrain_lod.heightmaps.erosion import crept, evolve, fallen, floodplains
-from terrain_lod.heightmaps.noise import Field, Random, fractal, gradient_noise, grid, refined
+from terrain_lod.heightmaps.erosion import (
+    crept,
+    evolve,
+    fallen,
+    floodplains,
+)
+from terrain_lod.heightmaps.noise import (
+    Field,
+    Random,
+    fractal,
+    gradient_noise,
+    grid,
+    refined,
+)
 
 # steps, and years of each, on cells of 120, 60, 30 and 15 m
 STAGES = ((60, 20_000.0), (30, 10_000.0), (20, 6_000.0), (10, 3_000.0))

@@ -9,7 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from terrain_lod.heightmaps.noise import Field, Random, fractal, grid, looked_up
+from terrain_lod.heightmaps.noise import (
+    Field,
+    Random,
+    fractal,
+    grid,
+    looked_up,
+)
 
 CELL, SHAPE = 2.0, (513, 513)
 # streets run along (12, 5) / 13 and across it, 22.6 degrees off the grid

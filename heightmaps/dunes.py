@@ -14,7 +14,12 @@ from __future__ import annotations
 
 import numpy as np
 from terrain_lod.heightmaps.erosion import crept
-from terrain_lod.heightmaps.noise import Field, Random, doubled, fractal
+from terrain_lod.heightmaps.noise import (
+    Field,
+    Random,
+    doubled,
+    fractal,
+)
 
 CELL = 10.0  # metres, while the wind blows; half of it at the end
 GUSTS = 1000

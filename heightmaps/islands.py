@@ -6,8 +6,20 @@ from collections.abc import Callable
 
 import numpy as np
 from scipy.ndimage import distance_transform_edt
-from terrain_lod.heightmaps.erosion import Mask, crept, evolve, fallen, floodplains
-from terrain_lod.heightmaps.noise import Field, Random, fractal, grid, refined
+from terrain_lod.heightmaps.erosion import (
+    Mask,
+    crept,
+    evolve,
+    fallen,
+    floodplains,
+)
+from terrain_lod.heightmaps.noise import (
+    Field,
+    Random,
+    fractal,
+    grid,
+    refined,
+)
 
 # steps, and years of each, on cells of 120, 60 and 30 m
 STAGES = ((100, 20_000.0), (30, 10_000.0), (20, 5_000.0))

@@ -5,8 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from terrain_lod.heightmaps.erosion import crept, evolve, fallen, floodplains, steepness
-from terrain_lod.heightmaps.noise import Field, Random, fractal, gradient_noise, refined
+from terrain_lod.heightmaps.erosion import (
+    crept,
+    evolve,
+    fallen,
+    floodplains,
+    steepness,
+)
+from terrain_lod.heightmaps.noise import (
+    Field,
+    Random,
+    fractal,
+    gradient_noise,
+    refined,
+)
 
 # steps, and years of each, on cells of 160, 80, 40 and 20 m
 STAGES = ((150, 25_000.0), (60, 10_000.0), (40, 5_000.0), (24, 2_500.0))

@@ -6,8 +6,20 @@ from collections.abc import Callable
 
 import numpy as np
 from scipy.ndimage import distance_transform_edt
-from terrain_lod.heightmaps.erosion import Mask, crept, evolve, fallen, route
-from terrain_lod.heightmaps.noise import Field, Random, fractal, grid, refined
+from terrain_lod.heightmaps.erosion import (
+    Mask,
+    crept,
+    evolve,
+    fallen,
+    route,
+)
+from terrain_lod.heightmaps.noise import (
+    Field,
+    Random,
+    fractal,
+    grid,
+    refined,
+)
 
 # steps, and years of each, on cells of 60, 30 and 15 m
 STAGES = ((12, 5_000.0), (12, 4_000.0), (12, 2_500.0))

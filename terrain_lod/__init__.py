@@ -8,8 +8,8 @@
 >>> tl.vertical_error(mesh, ground)                             # doctest: +SKIP
 """
 
-from .analysis import TileAnalysis, analyse
-from .camera import Camera
+from .camera.camera import Camera
+from .camera.viewpoint import default_camera
 from .curved.bezier import bezier
 from .curved.creases import split_at_creases
 from .curved.curved_mesh import CurvedMesh
@@ -25,11 +25,9 @@ from .curved.patch_factors import (
     SilhouetteFactor,
     UniformFactor,
 )
-from .curved.semi_uniform import semi_uniform
 from .curved.smooth import pn_triangles
 from .curved.surfaces import surface
-from .device import Device, devices
-from .drawing.viewpoint import default_camera
+from .device.device import Device, devices
 from .errors import (
     DeviceError,
     DeviceMemoryError,
@@ -39,12 +37,26 @@ from .errors import (
     MissingExtraError,
     TerrainError,
 )
-from .files.bpt import load_bpt, save_bpt
-from .files.loading import load
-from .files.mesh_loading import load_mesh
-from .files.samples import sample, sample_names
-from .heightmap import Heightmap
-from .lod import (
+from .files.meshes.bpt import load_bpt, save_bpt
+from .files.meshes.loading import load_mesh
+from .files.rasters.loading import load
+from .files.rasters.samples import sample, sample_names
+from .ground.heightmap import Heightmap
+from .measure.cracks import CrackReport, crack_report
+from .measure.error import VerticalError, vertical_error
+from .measure.screen_error import (
+    Pop,
+    ScreenError,
+    normal_error,
+    pop_metric,
+    screen_error,
+    silhouette_error,
+)
+from .mesh.hits import Hits
+from .mesh.mesh import Achieved, Mesh, Patches
+from .mesh.surface import Surface
+from .terrain.analysis import TileAnalysis, analyse
+from .terrain.lod import (
     BudgetLod,
     CoplanarityLod,
     DistanceLod,
@@ -56,23 +68,11 @@ from .lod import (
     UniformLod,
     Weighted,
 )
-from .measure.cracks import CrackReport, crack_report
-from .measure.error import VerticalError, vertical_error
-from .measure.screen_error import (
-    Pop,
-    ScreenError,
-    normal_error,
-    pop_metric,
-    screen_error,
-    silhouette_error,
-)
-from .mesh import Achieved, Mesh, Patches
-from .pattern import Pattern
-from .queries import Hits
-from .queries_mesh import Surface
-from .terrain import Terrain
-from .tessellator import tessellate
-from .viewer import view
+from .terrain.terrain import Terrain
+from .tessellation.pattern import Pattern
+from .tessellation.semi_uniform import semi_uniform
+from .tessellation.tessellator import tessellate
+from .viewer.view import view
 
 __all__ = [
     "Achieved",

@@ -13,10 +13,10 @@ from typing import Any, Final
 import numpy as np
 import pyvista
 
-from .heightmap import Heightmap
+from .ground.heightmap import Heightmap
 from .measure.cracks import CrackReport, crack_report
 from .measure.error import VerticalError, vertical_error
-from .mesh import Mesh
+from .mesh.mesh import Mesh
 
 NAME: Final = "terrain_lod"
 

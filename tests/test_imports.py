@@ -169,7 +169,7 @@ def test_all_is_true_and_sorted() -> None:
 def test_importing_the_package_loads_nothing_heavy_and_lists_no_devices() -> None:
     # a driver that is listed starts threads, and does not survive a fork
     program = (
-        "import sys, terrain_lod, terrain_lod.device as device\n"
+        "import sys, terrain_lod, terrain_lod.device.device as device\n"
         f"print([name for name in {HEAVY} if name in sys.modules], device._listing_process)"
     )
     child = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)

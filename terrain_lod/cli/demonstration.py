@@ -7,18 +7,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from ..device import Device
+from ..camera.viewpoint import default_camera
+from ..device.device import Device
+from ..device.layout import DEFAULT_TILE
 from ..drawing.graphics import graphics_problem
 from ..drawing.render import render
-from ..drawing.viewpoint import default_camera
-from ..files import require_made
-from ..heightmap import Heightmap
-from ..layout import DEFAULT_TILE
-from ..lod import CoplanarityLod
+from ..ground.heightmap import Heightmap
 from ..measure.cracks import crack_report
 from ..measure.error import vertical_error
-from ..report import report
-from ..terrain import Terrain
+from ..paths import require_made
+from ..report.report import report
+from ..terrain.lod import CoplanarityLod
+from ..terrain.terrain import Terrain
 
 _CONTENTS: Final = {
     "html": "the report, to read or to mail",

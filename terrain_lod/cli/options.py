@@ -11,16 +11,21 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 from cyclopts import Group, Parameter, Token
 
 from ..arguments import whole
-from ..camera import Camera, Point
-from ..drawing.viewpoint import default_camera
+from ..camera.camera import Camera, Point
+from ..camera.viewpoint import default_camera
+from ..device.layout import MAX_TILE
 from ..errors import FileError, InputError
-from ..heightmap import Heightmap
-from ..layout import MAX_TILE
+from ..ground.heightmap import Heightmap
 
 if TYPE_CHECKING:
-    from ..device import Device
-    from ..lod import CoplanarityLod, DistanceLod, Lod, PromiseLod
-    from ..terrain import Terrain
+    from ..device.device import Device
+    from ..terrain.lod import (
+        CoplanarityLod,
+        DistanceLod,
+        Lod,
+        PromiseLod,
+    )
+    from ..terrain.terrain import Terrain
 
 
 def numbers(form: str, *counts: int) -> Parameter:
@@ -68,8 +73,8 @@ class GroundOptions:
 
     def load(self, name: str) -> Heightmap:
         """Return the ground called `name`: a file if there is one, else a bundled sample."""
-        from ..files.loading import load
-        from ..files.samples import sample, sample_names
+        from ..files.rasters.loading import load
+        from ..files.rasters.samples import sample, sample_names
 
         overrides = {key: value for key, value in vars(self).items() if value is not None}
         if not Path(name).exists() and name in sample_names():
@@ -246,7 +251,7 @@ _REQUIRED: Final = {"max-error": ("metres",), "budget": ("triangles",)}
 
 
 def _lods() -> dict[str, Any]:
-    from .. import lod
+    from ..terrain import lod
 
     return {
         "screen-error": lod.ScreenErrorLod,
@@ -275,11 +280,11 @@ class TerrainOptions:
     """cpu, gpu, a number or part of a name, see doctor. Default: a GPU if there is one."""
 
     def open(self) -> Device:
-        from ..device import Device
+        from ..device.device import Device
 
         return Device.open(self.device)
 
     def make(self, ground: Heightmap, detail: Heightmap | None = None) -> Terrain:
-        from ..terrain import Terrain
+        from ..terrain.terrain import Terrain
 
         return Terrain(ground, detail=detail, tile=self.tile, plane=self.plane, device=self.open())

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from ..layout import PATCH_ADJACENT, PATCH_DOMINANT, PATCH_INDICES
-from ..measure.open_edges import weld
-from ..mesh import Mesh
+from ..device.layout import PATCH_ADJACENT, PATCH_DOMINANT, PATCH_INDICES
+from ..mesh.mesh import Mesh
+from ..mesh.open_edges import weld
 
 Indices = npt.NDArray[np.int32]
 

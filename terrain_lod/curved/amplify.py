@@ -30,12 +30,12 @@ import numpy as np
 import numpy.typing as npt
 
 from ..arguments import one_of, whole
-from ..buffers import DeviceFactors
-from ..device import Device, DeviceArray, Kernel
+from ..device.device import Device, DeviceArray, Kernel
 from ..errors import InputError
-from ..measure.soundness import require_sound
-from ..mesh import Mesh
-from ..tessellator import tessellate_device
+from ..mesh.mesh import Mesh
+from ..mesh.soundness import require_sound
+from ..terrain.buffers import DeviceFactors
+from ..tessellation.tessellator import tessellate_device
 from .adjacency import Adjacency
 from .pn import DevicePatchMesh, evaluate_on_device, nets_on_device
 
@@ -353,7 +353,7 @@ WAYS: Final[dict[str, Callable[[Scene, int], Amplifier]]] = {
 
 def _kernel(device: Device, name: str, **defines: int) -> Kernel:
     return device.kernel(
-        "amplify.cl", name, **{"LANES": 1, "LINEAR_NORMALS": 0, "QUADS": 0, **defines}
+        "curved/amplify.cl", name, **{"LANES": 1, "LINEAR_NORMALS": 0, "QUADS": 0, **defines}
     )
 
 

@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from ..buffers import DeviceVertices
-from ..device import Device
+from ..device.device import Device
 from ..errors import InputError
-from ..files.bpt import as_nets, load_bpt
-from ..mesh import Mesh
-from ..pattern import DevicePattern
+from ..files.meshes.bpt import as_nets, load_bpt
+from ..mesh.mesh import Mesh
+from ..terrain.buffers import DeviceVertices
+from ..tessellation.pattern import DevicePattern
 from .uniform_quads import uniform_mesh
 
 
@@ -66,7 +66,7 @@ def bezier(
     padded[..., :3] = points.reshape(-1, 16, 3)
 
     def evaluate(pattern: DevicePattern, vertices: DeviceVertices, items: int, group: int) -> None:
-        device.kernel("bezier.cl", "bezier", GROUP=group)(
+        device.kernel("curved/bezier.cl", "bezier", GROUP=group)(
             (items,),
             (group,),
             patches=len(points),

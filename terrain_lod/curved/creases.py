@@ -8,9 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import InputError
-from ..files.mesh_loading import vertex_normals
-from ..measure.open_edges import weld
-from ..mesh import Mesh
+from ..files.meshes.loading import vertex_normals
+from ..mesh.mesh import Mesh
+from ..mesh.open_edges import weld
 from .adjacency import EDGE_ENDS, Adjacency
 
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from ..device.layout import FIXED_ONE
 from ..errors import InputError
-from ..layout import FIXED_ONE
-from ..mesh import Mesh
+from ..mesh.mesh import Mesh
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)

@@ -13,10 +13,10 @@ import numpy as np
 import numpy.typing as npt
 
 from ..arguments import one_of, positive, whole
-from ..device import Device
-from ..layout import PARTITIONINGS
-from ..pattern import DevicePattern
-from ..tessellator import tessellate_device
+from ..device.device import Device
+from ..device.layout import PARTITIONINGS
+from ..tessellation.pattern import DevicePattern
+from ..tessellation.tessellator import tessellate_device
 from .shape_numbers import Number, shape_numbers
 
 _MOST_PIECES: Final = 16384  # steps are counted in 32 bits
@@ -142,7 +142,7 @@ def _evaluated(
     positions, tangents = (device.empty((count, 3), np.float32) for _ in range(2))
     group = device.group_size(64)
     kernel = device.kernel(
-        "curve.cl",
+        "curved/curve.cl",
         "curve_points",
         GROUP=group,
         CURVE=f'"curve_{name}.h"',

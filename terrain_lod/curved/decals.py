@@ -9,14 +9,14 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from .. import layout
 from ..arguments import finite, one_of, positive
-from ..buffers import DeviceFactors
-from ..camera import Point
-from ..device import Device, DeviceArray
+from ..camera.camera import Point
+from ..device import layout
+from ..device.device import Device, DeviceArray
 from ..errors import InputError
-from ..mesh import Mesh
-from ..pattern import DevicePattern
+from ..mesh.mesh import Mesh
+from ..terrain.buffers import DeviceFactors
+from ..tessellation.pattern import DevicePattern
 from .displaced import moved_mesh
 from .displaced_maps import checked_map
 from .patch_factors import checked_factor
@@ -199,7 +199,7 @@ def reach_on_device(
     reached = device.zeros(edges, np.int32)
     # no array is empty on a device
     hits = device.array(decals if len(decals) else np.zeros(1, layout.DECAL))
-    device.kernel("decal_reach.cl", "edges")(
+    device.kernel("curved/decal_reach.cl", "edges")(
         (edges,),
         (_GROUP,),
         edge_count=edges,
@@ -209,7 +209,7 @@ def reach_on_device(
         nets=nets,
         reached=reached,
     )
-    device.kernel("decal_reach.cl", "patches")(
+    device.kernel("curved/decal_reach.cl", "patches")(
         (count,),
         (_GROUP,),
         triangles=count,
@@ -234,7 +234,7 @@ def dent_on_device(
         return
     device, count = positions.device, positions.shape[0]
     run = 1 if device.is_gpu else _RUN
-    device.kernel("decals.cl", "decals", RUN=run)(
+    device.kernel("curved/decals.cl", "decals", RUN=run)(
         (-(-count // run),),
         (_GROUP,),
         points=count,

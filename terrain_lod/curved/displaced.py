@@ -8,23 +8,28 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from .. import layout
 from ..arguments import finite, one_of
-from ..buffers import DeviceFactors
-from ..camera import Camera
-from ..device import Device, DeviceArray
-from ..measure.open_edges import weld
-from ..mesh import Mesh
-from ..opencl.timeline import Timeline
-from ..pattern import DevicePattern
-from ..tessellator import tessellate_device
+from ..camera.camera import Camera
+from ..device import layout
+from ..device.device import Device, DeviceArray
+from ..device.timeline import Timeline
+from ..mesh.mesh import Mesh
+from ..mesh.open_edges import weld
+from ..terrain.buffers import DeviceFactors
+from ..tessellation.pattern import DevicePattern
+from ..tessellation.tessellator import tessellate_device
 from .adjacency import EDGE_ENDS, Adjacency
 from .displaced_maps import checked_map, checked_textures
 from .displaced_normals import corner_kinds, renew_normals_on_device
 from .patch_factors import EdgeFactor
 from .patched_mesh import PatchedMesh, require_curvable
 from .pn import evaluate_on_device, patch_factors_on_device
-from .smooth import diagonal_of, edge_factors, from_device, view_for
+from .smooth import (
+    diagonal_of,
+    edge_factors,
+    from_device,
+    view_for,
+)
 
 _RUNS: Final = 1024  # work-groups on a CPU, each with a run of patches
 
@@ -143,7 +148,7 @@ def displace_on_device(
     group = device.group_size(32)
     shared = shared_normals(base.mesh.vertices, base.mesh.normals)
     groups = mesh.count if device.is_gpu else min(mesh.count, _RUNS)
-    device.kernel("displaced.cl", "displaced", GROUP=group)(
+    device.kernel("curved/displaced.cl", "displaced", GROUP=group)(
         (groups * group,),
         (group,),
         patch_count=mesh.count,

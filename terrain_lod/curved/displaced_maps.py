@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from ..arguments import positive
 from ..errors import InputError
-from ..mesh import Mesh
+from ..mesh.mesh import Mesh
 from .adjacency import Adjacency
 from .patch_factors import checked_factor
 

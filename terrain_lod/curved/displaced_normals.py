@@ -7,11 +7,11 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from ..buffers import DeviceFactors
-from ..device import DeviceArray
-from ..layout import PARTITIONINGS
-from ..measure.open_edges import weld
-from ..pattern import DevicePattern
+from ..device.device import DeviceArray
+from ..device.layout import PARTITIONINGS
+from ..mesh.open_edges import weld
+from ..terrain.buffers import DeviceFactors
+from ..tessellation.pattern import DevicePattern
 from .adjacency import Adjacency
 from .pn import DevicePatchMesh
 
@@ -60,7 +60,7 @@ def renew_normals_on_device(
         "sums": sums,
     }
     group = device.group_size(_GROUP)
-    device.kernel("displaced_normals.cl", "faces")(
+    device.kernel("curved/displaced_normals.cl", "faces")(
         (mesh.count,),
         (group,),
         patches=mesh.count,
@@ -70,7 +70,7 @@ def renew_normals_on_device(
         positions=positions,
         sums=sums,
     )
-    device.kernel("displaced_normals.cl", "edges")(
+    device.kernel("curved/displaced_normals.cl", "edges")(
         (mesh.sides.shape[0],),
         (group,),
         edge_count=mesh.sides.shape[0],
@@ -81,7 +81,7 @@ def renew_normals_on_device(
         **tessellation,
     )
     offsets, members = kinds
-    device.kernel("displaced_normals.cl", "corners")(
+    device.kernel("curved/displaced_normals.cl", "corners")(
         (len(offsets) - 1,),
         (group,),
         kinds=len(offsets) - 1,
@@ -89,7 +89,7 @@ def renew_normals_on_device(
         members=device.array(members),
         **tessellation,
     )
-    device.kernel("displaced_normals.cl", "normalise")(
+    device.kernel("curved/displaced_normals.cl", "normalise")(
         (count,), (_GROUP,), points=count, sums=sums, normals=normals
     )
 

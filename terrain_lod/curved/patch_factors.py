@@ -1,9 +1,9 @@
 """Tessellation factors of curved patches: how many segments an edge deserves.
 
 A formula is a small class here, a header of ``kernels/`` that defines ``edge_factor()``, and a
-function of ``terrain_lod.reference.patch_factors``. The class's numbers reach the header by name: a
-field ``near`` is ``parameters[FACTOR_NEAR]``. A formula is asked once an edge, so that patches on
-both sides of it agree.
+function of ``terrain_lod.reference.curved.patch_factors``. The class's numbers reach the header by
+name: a field ``near`` is ``parameters[FACTOR_NEAR]``. A formula is asked once an edge, so that
+patches on both sides of it agree.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class UniformFactor(EdgeFactor):
     """
 
     factor: float = 5.0
-    header: ClassVar[str] = "factor_uniform.h"
+    header: ClassVar[str] = "curved/factor/uniform.h"
     needs_camera: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
@@ -77,7 +77,7 @@ class DistanceFactor(EdgeFactor):
     far: float | None = None
     minimum: float = 1.0
     maximum: float = 15.0
-    header: ClassVar[str] = "factor_distance.h"
+    header: ClassVar[str] = "curved/factor/distance.h"
 
     def __post_init__(self) -> None:
         if finite("near", self.near) < 0:
@@ -106,7 +106,7 @@ class LengthFactor(EdgeFactor):
     pixels: float = 8.0
     minimum: float = 1.0
     maximum: float = 64.0
-    header: ClassVar[str] = "factor_length.h"
+    header: ClassVar[str] = "curved/factor/length.h"
 
     def __post_init__(self) -> None:
         positive("pixels", self.pixels)
@@ -125,7 +125,7 @@ class OrientationFactor(EdgeFactor):
 
     minimum: float = 1.0
     maximum: float = 15.0
-    header: ClassVar[str] = "factor_orientation.h"
+    header: ClassVar[str] = "curved/factor/orientation.h"
 
     def __post_init__(self) -> None:
         _check_range(self.minimum, self.maximum)
@@ -152,7 +152,7 @@ class SilhouetteFactor(EdgeFactor):
     cosine: float = 0.3
     minimum: float = 1.0
     maximum: float = 15.0
-    header: ClassVar[str] = "factor_silhouette.h"
+    header: ClassVar[str] = "curved/factor/silhouette.h"
 
     def __post_init__(self) -> None:
         positive("cosine", self.cosine)
@@ -179,7 +179,7 @@ class CurvatureFactor(EdgeFactor):
     pixels: float = 0.5
     minimum: float = 1.0
     maximum: float = 64.0
-    header: ClassVar[str] = "factor_curvature.h"
+    header: ClassVar[str] = "curved/factor/curvature.h"
 
     def __post_init__(self) -> None:
         positive("pixels", self.pixels)

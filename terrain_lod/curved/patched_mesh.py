@@ -8,11 +8,11 @@ import numpy as np
 import numpy.typing as npt
 
 from ..arguments import finite
-from ..device import Device, DeviceArray
+from ..device.device import Device, DeviceArray
+from ..device.layout import PATCH_ADJACENT, PATCH_DOMINANT
 from ..errors import InputError
-from ..layout import PATCH_ADJACENT, PATCH_DOMINANT
-from ..measure.soundness import require_sound
-from ..mesh import Mesh
+from ..mesh.mesh import Mesh
+from ..mesh.soundness import require_sound
 from .adjacency import Adjacency
 from .creases import split_at_creases
 from .pn import DevicePatchMesh, nets_on_device

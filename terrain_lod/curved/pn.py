@@ -11,10 +11,10 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from .. import layout
-from ..buffers import DeviceFactors, DeviceVertices
-from ..device import Device, DeviceArray
-from ..pattern import DevicePattern
+from ..device import layout
+from ..device.device import Device, DeviceArray
+from ..terrain.buffers import DeviceFactors, DeviceVertices
+from ..tessellation.pattern import DevicePattern
 from .adjacency import Adjacency
 from .patch_factors import EdgeFactor
 
@@ -84,7 +84,7 @@ def nets_on_device(mesh: DevicePatchMesh) -> DeviceArray:
     device, shape = mesh.device, (mesh.count, layout.NET_VECTORS, 3)
     device.require(f"control nets of {mesh.count} triangles", 4 * int(np.prod(shape)))
     nets = device.empty(shape, np.float32)
-    device.kernel("pn_hull.cl", "pn_hull")(
+    device.kernel("curved/pn_hull.cl", "pn_hull")(
         (mesh.count,),
         (_GROUP,),
         triangles=mesh.count,
@@ -114,7 +114,7 @@ def edge_factors_on_device(
     parameters = formula.parameters(diagonal)
     names = {f"FACTOR_{name.upper()}": index for index, name in enumerate(parameters)}
     factors = device.empty(count, np.float32)
-    kernel = device.kernel("pn_edges.cl", "pn_edges", FACTOR=f'"{formula.header}"', **names)
+    kernel = device.kernel("curved/pn_edges.cl", "pn_edges", FACTOR=f'"{formula.header}"', **names)
     kernel(
         (count,),
         (_GROUP,),
@@ -156,7 +156,7 @@ def patch_factors_on_device(
     made = DeviceFactors(
         device.empty((mesh.count, 3), np.float32), device.empty((mesh.count, 1), np.float32)
     )
-    device.kernel("pn_patches.cl", "pn_patches")(
+    device.kernel("curved/pn_patches.cl", "pn_patches")(
         (mesh.count,),
         (_GROUP,),
         triangles=mesh.count,
@@ -245,7 +245,7 @@ def levels_on_device(factors: DeviceArray, maximum: int) -> DeviceArray:
     """
     device = factors.device
     levels = device.empty(factors.shape, np.float32)
-    kernel = device.kernel("pn_blend.cl", "pn_levels", GROUP=1, LANES=1, LINEAR_NORMALS=0)
+    kernel = device.kernel("curved/pn_blend.cl", "pn_levels", GROUP=1, LANES=1, LINEAR_NORMALS=0)
     kernel(
         (factors.size,),
         (_GROUP,),
@@ -263,12 +263,12 @@ def turns_on_device(nets: DeviceArray) -> DeviceArray:
     Returns
     -------
     DeviceArray, (T,) int32
-        For :func:`terrain_lod.curved.semi_uniform.semi_uniform_device`; both sides of an edge
+        For :func:`terrain_lod.tessellation.semi_uniform.semi_uniform_device`; both sides of an edge
         agree.
     """
     device, patches = nets.device, nets.shape[0]
     turns = device.empty(patches, np.int32)
-    kernel = device.kernel("pn_blend.cl", "pn_turns", GROUP=1, LANES=1, LINEAR_NORMALS=0)
+    kernel = device.kernel("curved/pn_blend.cl", "pn_turns", GROUP=1, LANES=1, LINEAR_NORMALS=0)
     kernel((patches,), (_GROUP,), patches=patches, nets=nets, turns=turns)
     return turns
 
@@ -287,7 +287,8 @@ def blend_on_device(
     levels : DeviceArray, (T, 3) float32
         Those that the pattern was made for.
     pattern : DevicePattern
-        Of :func:`terrain_lod.curved.semi_uniform.semi_uniform_device`, with the turns of `nets`.
+        Of :func:`~terrain_lod.tessellation.semi_uniform.semi_uniform_device`, with the turns of
+        `nets`.
     linear_normals : bool, optional
         As for :func:`evaluate_on_device`.
 

@@ -16,16 +16,17 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from .. import layout
 from ..arguments import finite, one_of
-from ..buffers import DeviceFactors, DeviceVertices
-from ..camera import Camera
-from ..device import Device, DeviceArray
+from ..camera.camera import Camera
+from ..device import layout
+from ..device.device import Device, DeviceArray
+from ..device.timeline import Timeline
 from ..errors import InputError
-from ..mesh import Mesh
-from ..opencl.timeline import Timeline
-from ..pattern import DevicePattern
-from ..tessellator import tessellate_device
+from ..mesh.mesh import Mesh
+from ..terrain.buffers import DeviceFactors, DeviceVertices
+from ..tessellation.pattern import DevicePattern
+from ..tessellation.semi_uniform import semi_uniform_device
+from ..tessellation.tessellator import tessellate_device
 from .adjacency import Adjacency
 from .curved_mesh import CurvedMesh
 from .patch_factors import MAX_FACTOR, EdgeFactor, UniformFactor
@@ -39,7 +40,6 @@ from .pn import (
     patch_factors_on_device,
     turns_on_device,
 )
-from .semi_uniform import semi_uniform_device
 
 NORMALS: Final = ("quadratic", "linear")
 # patterns of another tessellator: semi_uniform.py

@@ -11,11 +11,11 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from ..arguments import one_of, whole
-from ..buffers import DeviceVertices
-from ..device import Device
+from ..device.device import Device
 from ..errors import InputError
-from ..mesh import Mesh
-from ..pattern import DevicePattern
+from ..mesh.mesh import Mesh
+from ..terrain.buffers import DeviceVertices
+from ..tessellation.pattern import DevicePattern
 from .shape_numbers import Number, shape_numbers
 from .uniform_quads import Evaluate, uniform_mesh
 
@@ -135,7 +135,7 @@ def _evaluation(
 
     def evaluate(pattern: DevicePattern, vertices: DeviceVertices, items: int, group: int) -> None:
         kernel = device.kernel(
-            "surface.cl",
+            "curved/surface.cl",
             "surface_points",
             GROUP=group,
             SURFACE=f'"surface_{name}.h"',

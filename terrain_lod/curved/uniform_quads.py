@@ -8,12 +8,12 @@ from typing import Final
 import numpy as np
 
 from ..arguments import one_of, positive
-from ..buffers import DeviceVertices
-from ..device import Device
-from ..layout import PARTITIONINGS
-from ..mesh import Mesh
-from ..pattern import DevicePattern
-from ..tessellator import tessellate_device
+from ..device.device import Device
+from ..device.layout import PARTITIONINGS
+from ..mesh.mesh import Mesh
+from ..terrain.buffers import DeviceVertices
+from ..tessellation.pattern import DevicePattern
+from ..tessellation.tessellator import tessellate_device
 
 _RUNS: Final = 1024  # work-groups on a CPU, each with a run of patches
 

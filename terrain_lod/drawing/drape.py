@@ -11,8 +11,8 @@ import numpy.typing as npt
 from PIL import Image
 
 from ..errors import FileError, InputError
-from ..heightmap import Heightmap
-from ..mesh import Mesh
+from ..ground.heightmap import Heightmap
+from ..mesh.mesh import Mesh
 
 _LARGEST: Final = 4096  # pixels along one side, in reach of every driver
 

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from ..layout import FIXED_ONE
-from ..pattern import Pattern
+from ..device.layout import FIXED_ONE
+from ..tessellation.pattern import Pattern
 from .pattern_rings import edges_of_triangles, strips_of_triangles
 
 if TYPE_CHECKING:

@@ -11,8 +11,8 @@ import numpy.typing as npt
 
 from ..arguments import one_of, whole
 from ..errors import InputError
-from ..files import replacing
-from ..pattern import Pattern
+from ..paths import replacing
+from ..tessellation.pattern import Pattern
 from .pattern_drawing import Factors, draw_pattern
 
 if TYPE_CHECKING:

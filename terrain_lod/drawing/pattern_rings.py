@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from ..layout import FIXED_ONE
+from ..device.layout import FIXED_ONE
 
 Points = npt.NDArray[np.int64]
 Indices = npt.NDArray[np.intp]

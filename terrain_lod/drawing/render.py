@@ -14,11 +14,20 @@ import numpy.typing as npt
 from PIL import Image
 
 from ..arguments import finite, one_of
-from ..camera import Camera
+from ..camera.camera import Camera
 from ..errors import InputError
-from ..files import replacing, require_folder
-from ..mesh import Mesh
-from .colours import Colours, facing, hypsometric, lit, lod_colours, mixed, sun_direction, to_bytes
+from ..mesh.mesh import Mesh
+from ..paths import replacing, require_folder
+from .colours import (
+    Colours,
+    facing,
+    hypsometric,
+    lit,
+    lod_colours,
+    mixed,
+    sun_direction,
+    to_bytes,
+)
 from .drape import Drape
 from .graphics import require_graphics
 

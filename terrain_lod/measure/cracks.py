@@ -21,10 +21,10 @@ from typing import Final, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from ..mesh import Mesh
-from .open_edges import Indices, topology, weld
+from ..mesh.mesh import Mesh
+from ..mesh.open_edges import Indices, topology, weld
+from ..mesh.soundness import require_sound
 from .opposed_edges import ROUNDING, Pieces, opposed_pieces
-from .soundness import require_sound
 
 # a heightfield's triangles face one way, but for this part of their area
 _FOLDED_PART: Final = 0.1

@@ -9,12 +9,12 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from ..device import Device, DeviceArray, Kernel
-from ..heightmap import Heightmap
-from ..mesh import Mesh
-from ..reference.error import NEAR, SINGLE
-from ..reference.error import error_field as reference_field
-from .soundness import require_sound
+from ..device.device import Device, DeviceArray, Kernel
+from ..ground.heightmap import Heightmap
+from ..mesh.mesh import Mesh
+from ..mesh.soundness import require_sound
+from ..reference.measure.error import NEAR, SINGLE
+from ..reference.measure.error import error_field as reference_field
 
 _log = logging.getLogger(__name__)
 
@@ -198,4 +198,4 @@ def _rasterise(triangles: DeviceArray, placed: DeviceArray, heights: DeviceArray
 
 
 def _kernel(device: Device, name: str) -> Kernel:
-    return device.kernel("vertical_error.cl", name, NEAR=NEAR, SINGLE=SINGLE, BAND=_BAND)
+    return device.kernel("measure/vertical_error.cl", name, NEAR=NEAR, SINGLE=SINGLE, BAND=_BAND)

@@ -21,7 +21,7 @@ from typing import Final, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from .open_edges import Indices, weld
+from ..mesh.open_edges import Indices, weld
 
 # ends meet within this part of an open edge's length, and of its triangle's height over it
 REACH: Final = 0.25

@@ -12,11 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from ..camera import Camera
-from ..device import Device
+from ..camera.camera import Camera
+from ..device.device import Device
 from ..errors import InputError
-from ..heightmap import Heightmap
-from ..mesh import Mesh
+from ..ground.heightmap import Heightmap
+from ..mesh.mesh import Mesh
 from .error import vertical_error
 
 Array = npt.NDArray[np.float64]

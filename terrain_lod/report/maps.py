@@ -9,12 +9,17 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from ..camera import Camera
-from ..drawing.colours import LOD_STOPS, hypsometric, lit, sun_direction
-from ..files import replacing
-from ..grid import TileGrid
-from ..heightmap import Heightmap
-from .report_compare import Comparison, Trial
+from ..camera.camera import Camera
+from ..drawing.colours import (
+    LOD_STOPS,
+    hypsometric,
+    lit,
+    sun_direction,
+)
+from ..ground.grid import TileGrid
+from ..ground.heightmap import Heightmap
+from ..paths import replacing
+from .comparison import Comparison, Trial
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -10,10 +10,19 @@ from string import Template
 from typing import Final
 
 from ..drawing.colours import LOD_STOPS
-from .html import card, definitions, figure, formatted, paragraph, row_of_figures, section, table
+from .comparison import EQUAL_SHARE, Comparison, Trial
+from .html import (
+    card,
+    definitions,
+    figure,
+    formatted,
+    paragraph,
+    row_of_figures,
+    section,
+    table,
+)
 from .maps import factor_range
 from .pictures import VISIBLE_DIFFERENCE, Difference
-from .report_compare import EQUAL_SHARE, Comparison, Trial
 from .tables import Row, rasterised_share
 from .verdict import small_share
 

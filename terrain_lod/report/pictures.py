@@ -11,8 +11,8 @@ import numpy as np
 
 from ..drawing.graphics import graphics_problem
 from ..drawing.render import Picture, render, save_png
+from .comparison import Comparison
 from .maps import factor_range
-from .report_compare import Comparison
 
 # "the difference is very rarely above 15%", says the text to figure 9.24
 VISIBLE_DIFFERENCE: Final = 0.15

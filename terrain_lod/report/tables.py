@@ -8,8 +8,8 @@ from typing import Final
 
 import numpy as np
 
-from ..layout import CONTROL_POINTS
-from .report_compare import Comparison, Trial, device_bytes
+from ..device.layout import CONTROL_POINTS
+from .comparison import Comparison, Trial, device_bytes
 
 Value = int | float | None
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from .comparison import Comparison
 from .pictures import VISIBLE_DIFFERENCE, Difference
-from .report_compare import Comparison
 
 
 def verdict(comparison: Comparison, difference: Difference | None) -> list[str]:

@@ -23,8 +23,8 @@ from typing import Any, Final
 
 from ..errors import TerrainError
 from .movie import Movie
+from .rig import Rig
 from .settings import Settings, Slider
-from .viewer_camera import Rig
 from .window import Window
 
 _WHEEL: Final = 1.15  # zoom a notch

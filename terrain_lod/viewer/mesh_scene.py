@@ -8,21 +8,32 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
-from ..camera import Camera, Point
+from ..camera.camera import Camera, Point
 from ..curved.bezier import bezier
 from ..curved.patch_factors import MAX_FACTOR
 from ..curved.patched_mesh import PatchedMesh, require_curvable
 from ..curved.pn import patch_factors_on_device
 from ..curved.smooth import edge_factors, tessellate_nets
-from ..device import Device
+from ..device.device import Device
 from ..errors import InputError
-from ..files.bpt import as_nets
-from ..mesh import Mesh
+from ..files.meshes.bpt import as_nets
+from ..mesh.mesh import Mesh
+from .colours import (
+    Paint,
+    by_normal,
+    of_clay,
+    paper,
+)
 from .mesh_settings import BezierSettings, CurvedSettings
-from .scene import Frame, Pick, Request, Scene, numbered
+from .rig import triangle_seen
+from .scene import (
+    Frame,
+    Pick,
+    Request,
+    Scene,
+    numbered,
+)
 from .settings import Settings
-from .viewer_camera import triangle_seen
-from .viewer_colours import Paint, by_normal, of_clay, paper
 
 # rows are where x, y and z go: y up becomes z up
 _TURN = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])

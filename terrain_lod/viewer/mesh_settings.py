@@ -8,8 +8,14 @@ from typing import Final
 from ..curved import patch_factors
 from ..curved.patch_factors import MAX_FACTOR, EdgeFactor, UniformFactor
 from ..curved.smooth import NORMALS, SEMI_UNIFORM
-from ..layout import PARTITIONINGS
-from .settings import SHARED, SUN, Choice, Settings, Slider
+from ..device.layout import PARTITIONINGS
+from .settings import (
+    SHARED,
+    SUN,
+    Choice,
+    Settings,
+    Slider,
+)
 
 MODES: Final = ("shaded", "wireframe", "lod", "normals")
 LODS: Final = ("uniform", "distance", "length", "silhouette", "orientation", "curvature")

@@ -9,7 +9,7 @@ from PIL import Image
 
 from ..drawing.render import Picture
 from ..errors import FileError, InputError, MissingExtraError
-from ..files import require_folder
+from ..paths import require_folder
 
 ENDINGS: Final = (".gif", ".mp4")
 _RATE: Final = 20  # pictures a second; GIF counts in hundredths

@@ -16,10 +16,10 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from ..camera import Camera, Point
-from ..mesh import Mesh
+from ..camera.camera import Camera, Point
+from ..mesh.mesh import Mesh
+from .colours import UNPAINTED, Paint, by_detail
 from .settings import Settings
-from .viewer_colours import UNPAINTED, Paint, by_detail
 
 _LINE: Final = 60  # characters of the read-out
 

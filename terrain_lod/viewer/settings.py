@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Final, TypeVar
 
 from ..arguments import finite, one_of
-from ..layout import DEFAULT_TILE, PARTITIONINGS
+from ..device.layout import DEFAULT_TILE, PARTITIONINGS
 
 _Own = TypeVar("_Own", bound="Settings")
 

@@ -11,10 +11,16 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from ..camera import Camera
+from ..camera.camera import Camera
 from ..drawing.colours import to_bytes
 from ..drawing.graphics import require_graphics
-from ..drawing.render import HORIZON, INK, ZENITH, Picture, stand
+from ..drawing.render import (
+    HORIZON,
+    INK,
+    ZENITH,
+    Picture,
+    stand,
+)
 
 if TYPE_CHECKING:
     import pyvista

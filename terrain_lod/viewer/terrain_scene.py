@@ -8,18 +8,31 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from ..camera import Camera, Point
-from ..device import Device
-from ..drawing.viewpoint import default_camera
-from ..heightmap import Heightmap
-from ..layout import DEFAULT_TILE
+from ..camera.camera import Camera, Point
+from ..camera.viewpoint import default_camera
+from ..device.device import Device
+from ..device.layout import DEFAULT_TILE
+from ..ground.heightmap import Heightmap
 from ..measure.error import vertical_error
 from ..measure.screen_error import screen_error
-from ..terrain import Terrain
-from .scene import Frame, Pick, Request, Scene, numbered
+from ..terrain.terrain import Terrain
+from .colours import (
+    Paint,
+    by_deviation,
+    by_error,
+    by_height,
+    by_normal,
+    paper,
+)
+from .rig import ground_seen, height_at
+from .scene import (
+    Frame,
+    Pick,
+    Request,
+    Scene,
+    numbered,
+)
 from .terrain_settings import TerrainSettings
-from .viewer_camera import ground_seen, height_at
-from .viewer_colours import Paint, by_deviation, by_error, by_height, by_normal, paper
 
 _LARGE: Final = 2**22  # samples beyond which the number of small tiles costs more than they save
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from ..arguments import whole
-from ..layout import MAX_TILE
-from ..lod import (
+from ..device.layout import MAX_TILE
+from ..terrain.lod import (
     BudgetLod,
     CoplanarityLod,
     DistanceLod,
@@ -18,7 +18,13 @@ from ..lod import (
     UniformLod,
     Weighted,
 )
-from .settings import SHARED, SUN, Choice, Settings, Slider
+from .settings import (
+    SHARED,
+    SUN,
+    Choice,
+    Settings,
+    Slider,
+)
 
 MODES: Final = ("shaded", "wireframe", "lod", "deviation", "error", "normals")
 LODS: Final = ("screen-error", "max-error", "budget", "coplanarity", "distance", "uniform")

@@ -10,7 +10,7 @@ import asyncio
 import socket
 from typing import Any, Final
 
-from ..camera import Camera
+from ..camera.camera import Camera
 from ..errors import InputError, MissingExtraError, TerrainError
 from .controls import Controls
 from .model import Model

@@ -17,15 +17,15 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any, Final
 
-from ..camera import Camera
+from ..camera.camera import Camera
 from ..drawing.render import Picture, save_png
 from ..errors import InputError, TerrainError
 from .engine import Engine
 from .model import Model
+from .rig import Rig
 from .scene import Frame, Request
 from .settings import Settings
 from .stage import Stage
-from .viewer_camera import Rig
 
 # a new mesh that comes this soon is worth waiting for: drawing the old one would hold it up
 _PATIENCE: Final = 0.1  # seconds

@@ -1,0 +1,76 @@
+// The domain stage: where a point of a patch stands in the world, and the ground's normal there.
+//
+// A position is a pure function of the point's global coordinate, counted in 1/65536 of a cell over
+// the whole raster, never of anything local to a patch. So two patches that share a point give it
+// the same bits:
+//
+//     global column = first column of the tile * 65536 + u in cells of the tile    (coordinate.h)
+//
+//       tile A, u = 65536         |  split into the cell and a fraction 0 .. 65535:
+//       tile B, u = 0             |  both read (cell 15, fraction 0)
+//
+// Built with: GROUP work-items a patch, what ground.h is built with.
+#include "terrain/gradient.h"
+
+inline float cells_along(Coordinate c)
+{
+    return c.cell + c.fraction * (1.0f / FIXED_ONE);
+}
+
+// the gradients at the four samples around, bilinear as well; on a sample there is just one
+inline float2 gradient_between(const Ground ground, Coordinate column, Coordinate row)
+{
+    if (is_inner_cell(ground, row.cell, column.cell))
+        return inner_gradient(ground, row.cell, column.cell,
+                              column.fraction * (1.0f / FIXED_ONE),
+                              row.fraction * (1.0f / FIXED_ONE));
+    float2 gradient = sample_gradient(ground, row.cell, column.cell);
+    if (column.fraction > 0) {
+        const float2 right = sample_gradient(ground, row.cell, column.cell + 1);
+        gradient.x = blend(gradient.x, right.x, column.fraction);
+        gradient.y = blend(gradient.y, right.y, column.fraction);
+    }
+    if (row.fraction > 0) {
+        float2 below = sample_gradient(ground, row.cell + 1, column.cell);
+        if (column.fraction > 0) {
+            const float2 right = sample_gradient(ground, row.cell + 1, column.cell + 1);
+            below.x = blend(below.x, right.x, column.fraction);
+            below.y = blend(below.y, right.y, column.fraction);
+        }
+        gradient.x = blend(gradient.x, below.x, row.fraction);
+        gradient.y = blend(gradient.y, below.y, row.fraction);
+    }
+    return gradient;
+}
+
+__kernel void domain(const Grid grid,
+                     __global const float *heights,         // (R, C)
+                     __global const uchar *holes,           // (R, C) where MASKED
+                     __global const float *detail_heights,  // where DETAIL
+                     const int patches,
+                     __global const uint *point_offsets,    // (P + 1,)
+                     __global const uint2 *points,          // (N,) u, v in 16.16
+                     __global float *positions,             // (N, 3)
+                     __global float *normals)               // (N, 3)
+{
+    const Ground ground = {grid, heights, holes, detail_heights};
+    const int run = (patches + get_num_groups(0) - 1) / get_num_groups(0);
+    const int first = get_group_id(0) * run;
+    for (int patch = first; patch < min(first + run, patches); ++patch) {
+        const Tile tile = tile_at(grid, patch);
+        const Ruler across = ruler_of(tile.cells_across), down = ruler_of(tile.cells_down);
+        for (uint i = point_offsets[patch] + get_local_id(0); i < point_offsets[patch + 1];
+             i += GROUP) {
+            const Coordinate column =
+                global_coordinate(tile.column, cell_offset(across, points[i].x));
+            const Coordinate row = global_coordinate(tile.row, cell_offset(down, points[i].y));
+            const float3 normal = normal_of(gradient_between(ground, column, row));
+            positions[3 * i + 0] = cells_along(column) * grid.dx;
+            positions[3 * i + 1] = -cells_along(row) * grid.dy;
+            positions[3 * i + 2] = height_between(ground, column, row);
+            normals[3 * i + 0] = normal.x;
+            normals[3 * i + 1] = normal.y;
+            normals[3 * i + 2] = normal.z;
+        }
+    }
+}

@@ -1,0 +1,36 @@
+"""A good place to look at ground from, when nobody names one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..ground.heightmap import Heightmap
+from .camera import Camera
+
+
+def default_camera(
+    ground: Heightmap, *, fov: float = 45.0, size: tuple[int, int] = (1920, 1080)
+) -> Camera:
+    """Return an oblique view over the ground: from its southern edge, looking north.
+
+    The eye stands above the highest ground near it, so that the picture runs from the tiles at its
+    feet to the horizon.
+    """
+    x, y, _ = ground.centre
+    width, depth = ground.extent
+    low, high = ground.height_range
+    diagonal = float(np.hypot(width, depth))
+    eye = (x - 0.20 * width, y - 0.50 * depth)
+    target = (x + 0.06 * width, y - 0.03 * depth, low + 0.3 * (high - low))
+    nearby = _highest_near(ground, eye, 0.20 * diagonal)
+    height = max(target[2] + 0.16 * diagonal, nearby + 0.02 * diagonal)
+    return Camera((*eye, height), target, fov=fov, size=size)
+
+
+def _highest_near(ground: Heightmap, point: tuple[float, float], radius: float) -> float:
+    """Return the highest elevation within `radius` of a world point, or of all ground if none."""
+    rows, columns = ground.shape
+    x = ground.origin[0] + ground.spacing[0] * np.arange(columns) - point[0]
+    y = ground.origin[1] - ground.spacing[1] * np.arange(rows) - point[1]
+    near = (np.hypot(x, y[:, None]) <= radius) & ground.valid
+    return ground.base + float(ground.heights[near].max()) if near.any() else ground.height_range[1]

@@ -1,0 +1,293 @@
+"""The command line: demo, render, mesh, report, view, smooth, pattern, samples, doctor.
+
+Exit codes: 0 done, 2 refused with one line on stderr, 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from importlib.metadata import version
+from math import isfinite
+from pathlib import Path
+from typing import Annotated, Any, Final, Literal
+
+from cyclopts import App, CycloptsError, Parameter
+from cyclopts.config import Env
+
+from ..arguments import one_of
+from ..errors import TerrainError
+from ..paths import require_folder
+from .flyover import PathOptions
+from .options import (
+    CameraOptions,
+    DetailOptions,
+    Ground,
+    GroundOptions,
+    LodOptions,
+    OverlayOptions,
+    Sun,
+    TerrainOptions,
+)
+from .output import (
+    PROGRAM,
+    complain,
+    log,
+    progress_bar,
+    say,
+    say_table,
+    set_verbosity,
+    warn,
+)
+from .pattern import pattern
+from .report import report
+from .smooth import smooth
+from .view import view
+
+REFUSED: Final = 2
+INTERRUPTED: Final = 130
+
+app = App(
+    name=PROGRAM,
+    help="Terrain level of detail with a known error, from the command line.",
+    help_epilogue=(
+        "Options may also come from the environment: TERRAIN_LOD_RENDER_STYLE=lod. "
+        "TERRAIN_LOD_DEVICE chooses the device for every command."
+    ),
+    version=lambda: version("terrain_lod"),
+    config=Env("TERRAIN_LOD_", show=False),
+    default_parameter=Parameter(negative=""),
+    suppress_keyboard_interrupt=False,
+)
+app.meta.suppress_keyboard_interrupt = False
+
+Output = Annotated[Path, Parameter(alias="-o", metavar="FILE")]
+OutputFolder = Annotated[Path, Parameter(alias="-o", metavar="DIR")]
+
+
+@app.command(sort_key=1)
+def demo(
+    ground: Ground = "ridge",
+    /,
+    *,
+    output: OutputFolder = Path("terrain_lod_demo"),
+    terrain: TerrainOptions = TerrainOptions(),  # noqa: B008
+) -> None:
+    """Do the main job on bundled ground: a mesh, pictures and a report.
+
+    Parameters
+    ----------
+    ground
+        A raster file or the name of a bundled sample.
+    output
+        Folder to write, made if it is not there.
+    """
+    from .demonstration import make_demo
+
+    heights = GroundOptions().load(ground)
+    with progress_bar("making the demo") as progress:
+        made = make_demo(
+            heights,
+            output,
+            tile=terrain.tile,
+            plane=terrain.plane,
+            device=terrain.open(),
+            progress=progress,
+        )
+    say_table(("file", "what", "size"), made.rows)
+    for sentence in made.verdict:
+        say(sentence)
+    if made.no_pictures is not None:
+        warn(made.no_pictures)
+
+
+@app.command(sort_key=2)
+def render(
+    ground: Ground,
+    /,
+    *,
+    output: Output,
+    style: Literal["shaded", "wireframe", "lod"] = "shaded",
+    sun: Sun = None,
+    reading: GroundOptions = GroundOptions(),  # noqa: B008
+    overlay: OverlayOptions = OverlayOptions(),  # noqa: B008
+    view: CameraOptions = CameraOptions(),  # noqa: B008
+    lod: LodOptions = LodOptions(),  # noqa: B008
+    detail: DetailOptions = DetailOptions(),  # noqa: B008
+    terrain: TerrainOptions = TerrainOptions(),  # noqa: B008
+    many: PathOptions = PathOptions(),  # noqa: B008
+) -> None:
+    """Draw a picture of ground, or many along a path. Needs no display.
+
+    Parameters
+    ----------
+    ground
+        A raster file or the name of a bundled sample.
+    output
+        PNG to write; a folder with --path, --orbit or --flyover.
+    style
+        shaded: sunlit and tinted by height. wireframe: the triangles. lod: red for patches with
+        much detail, through green and blue to black for those with little.
+    sun
+        Where the light comes from: degrees clockwise from north, degrees above the horizon.
+    """
+    from ..drawing.graphics import require_graphics
+    from ..drawing.render import render as draw
+    from ..drawing.render import require_png
+
+    if not many.many:
+        require_png(output)
+    chosen = detail.make(lod.lod, terrain.tile, lod.factor)
+    beside = many.second(detail, terrain.tile)
+    require_graphics()
+    heights, added = reading.load(ground), overlay.load()
+    camera = view.over(heights)
+    log("%r", heights)
+    options: dict[str, Any] = {"style": style} if sun is None else {"style": style, "sun": sun}
+    if many.many:
+        made = terrain.make(heights, added)
+        return many.render(made, camera, output, [chosen, *beside], lod.edges, **options)
+    options |= {"drape": many.drape(heights), "edges": many.wireframe}
+    mesh = terrain.make(heights, added).mesh(camera, lod=chosen, edges=lod.edges)
+    log("%r from %r", mesh, chosen)
+    draw(mesh, camera, output, height_range=heights.height_range, **options)
+    say(f"{output}: {_counts(mesh)}")
+    return None
+
+
+@app.command(sort_key=3)
+def mesh(
+    ground: Ground,
+    /,
+    *,
+    output: Output,
+    cull: Annotated[bool, Parameter(show_default=False)] = False,
+    reading: GroundOptions = GroundOptions(),  # noqa: B008
+    overlay: OverlayOptions = OverlayOptions(),  # noqa: B008
+    view: CameraOptions = CameraOptions(),  # noqa: B008
+    lod: LodOptions = LodOptions(),  # noqa: B008
+    detail: DetailOptions = DetailOptions(),  # noqa: B008
+    terrain: TerrainOptions = TerrainOptions(),  # noqa: B008
+) -> None:
+    """Write the mesh that a camera deserves, and say how far it is from the ground.
+
+    Parameters
+    ----------
+    ground
+        A raster file or the name of a bundled sample.
+    output
+        File to write: .glb, .obj, .ply, .stl or .vtp.
+    cull
+        Leave out patches that the camera does not see.
+    """
+    from ..files.meshes.export import FORMATS
+    from ..measure.cracks import crack_report
+    from ..measure.error import vertical_error
+
+    require_folder(output)
+    one_of("mesh format", output.suffix.lower(), FORMATS)
+    chosen = detail.make(lod.lod, terrain.tile, lod.factor)
+    heights, added = reading.load(ground), overlay.load()
+    camera = view.over(heights)
+    log("%r", heights)
+    made = terrain.make(heights, added).mesh(camera, lod=chosen, edges=lod.edges, cull=cull)
+    log("%r from %r", made, chosen)
+    made.save(output)
+    say(f"{output}: {_counts(made)}")
+    shown = heights if added is None else heights.with_detail(added)
+    say(f"vertical error: {vertical_error(made, shown, device=terrain.open())}")
+    say(str(crack_report(made)))
+
+
+@app.command(sort_key=5)
+def samples() -> None:
+    """List the bundled grounds."""
+    from ..files.rasters.samples import sample, sample_names
+
+    rows = []
+    for name in sample_names():
+        ground = sample(name)
+        low, high = ground.height_range
+        size = " × ".join(f"{extent:,}" for extent in ground.shape)
+        spacing = " × ".join(f"{step:.4g}" for step in dict.fromkeys(ground.spacing))
+        rows.append((name, size, f"{spacing} m", f"{low:,.0f} to {high:,.0f} m"))
+    say_table(("name", "samples", "spacing", "heights"), rows)
+
+
+@app.command(sort_key=6)
+def doctor() -> int:
+    """Compare every kernel with its reference on every device, and say which device to use."""
+    from .doctor import run_doctor
+
+    return run_doctor()
+
+
+app.command(report, sort_key=4)
+app.command(view, sort_key=7)
+app.command(smooth, sort_key=8)
+app.command(pattern, sort_key=9)
+
+
+def _counts(mesh: Any) -> str:
+    patches = mesh.patches
+    kept = f", {_achieved(mesh.achieved)}" if mesh.achieved else ""
+    return (
+        f"{len(mesh.triangles):,} triangles, {len(mesh.vertices):,} vertices, "
+        f"{patches.culled_count:,} of {patches.count:,} patches left out{kept}"
+    )
+
+
+def _achieved(achieved: Any) -> str:
+    """Say what a promise came to, and whether that is what was asked for."""
+    seen = achieved.pixels is not None and isfinite(achieved.pixels)
+    pixels = f"{achieved.pixels:.3g} pixels, " if seen else ""
+    missed = "" if achieved.kept else ": the best that this raster and tile can show"
+    return f"within {pixels}{achieved.metres:.3g} m{missed}"
+
+
+@app.meta.default
+def _launch(
+    *tokens: Annotated[str, Parameter(show=False, allow_leading_hyphen=True)],
+    verbose: Annotated[int, Parameter(alias="-v", count=True, show_default=False)] = 0,
+    quiet: Annotated[bool, Parameter(alias="-q", show_default=False)] = False,
+) -> Any:
+    """Run a command.
+
+    Parameters
+    ----------
+    verbose
+        Say what is being done; twice for more.
+    quiet
+        Say nothing but errors.
+    """
+    set_verbosity(verbose, quiet)
+    return app(tokens, exit_on_error=False, print_error=False, result_action="return_value")
+
+
+def run(tokens: Sequence[str]) -> int:
+    """Run the command line `tokens` and return the exit code."""
+    try:
+        result = app.meta(
+            tokens, exit_on_error=False, print_error=False, result_action="return_value"
+        )
+        sys.stdout.flush()
+    except (TerrainError, CycloptsError) as error:
+        complain(" ".join(str(error).split()))
+        return REFUSED
+    except MemoryError:
+        complain("expected a raster that fits into memory, got one that does not")
+        return REFUSED
+    except KeyboardInterrupt:
+        complain("interrupted")
+        return INTERRUPTED
+    except BrokenPipeError:
+        # whoever read our output has left: nothing more is written, not even at exit
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return REFUSED
+    return result if isinstance(result, int) else 0
+
+
+def main() -> None:
+    """Run the command line and leave."""
+    sys.exit(run(sys.argv[1:]))

@@ -1,0 +1,158 @@
+"""``terrain-lod view``: the window, the page, and both without a display."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from cyclopts import Parameter
+
+from ..arguments import whole
+from ..errors import InputError
+from .options import CameraOptions, GroundOptions, Sun
+from .output import log, say
+
+if TYPE_CHECKING:
+    from ..viewer.scene import Scene
+
+Mode = Literal["shaded", "wireframe", "lod", "deviation", "error", "normals"]
+LodName = Literal[
+    "screen-error", "max-error", "budget", "coplanarity", "distance", "uniform",
+    "length", "silhouette", "orientation", "curvature",
+]  # fmt: skip
+
+
+def view(
+    subject: Annotated[str, Parameter(metavar="GROUND|MESH")] = "ridge",
+    /,
+    *,
+    web: bool = False,
+    port: int = 8080,
+    host: str = "127.0.0.1",
+    browser: bool = False,
+    off_screen: bool = False,
+    output: Annotated[Path | None, Parameter(alias="-o", metavar="FILE")] = None,
+    record: Annotated[Path | None, Parameter(metavar="FILE")] = None,
+    frames: int = 60,
+    mode: Mode | None = None,
+    lod: LodName | None = None,
+    factor: float | None = None,
+    y_up: bool = False,
+    sun: Sun = None,
+    tile: int | None = None,
+    device: str | None = None,
+    reading: GroundOptions = GroundOptions(),  # noqa: B008
+    camera: CameraOptions = CameraOptions(),  # noqa: B008
+) -> None:
+    """Look at ground or a curved mesh: fly over it, and see what its level of detail does.
+
+    Drag turns, the wheel goes nearer, w a s d fly, a click tells what is known of a place. Keys:
+    1-6 what is shown; m l p e t f the next mode, LOD, partitioning, edge rule, tessellation,
+    freeze; of meshes x n b sharp edges, normals, back faces; g fly or orbit, r reset, u reload,
+    c picture, v record, h hide, q quit.
+
+    Parameters
+    ----------
+    subject
+        A raster file, the name of a bundled sample, a mesh file, or Bézier patches in a .bpt file.
+    web
+        Serve a page instead of opening a window.
+    port
+        Of the page.
+    host
+        Address that the page is served on; others than this machine need another.
+    browser
+        Open the page in a browser.
+    off_screen
+        Open nothing: write --output and --record.
+    output
+        PNG of the first view. With --off-screen.
+    record
+        GIF, or MP4 with the extra [movie]: with --off-screen a flight around the target, in a
+        window all that is shown.
+    frames
+        Pictures of that flight.
+    mode
+        What is shown: light, triangles, factors or normals; of ground also its deviation from the
+        tiles' planes and the vertical error. Default: shaded.
+    lod
+        How detail is chosen. Ground: screen-error (default), max-error, budget, coplanarity,
+        distance, uniform. Meshes: uniform (default), distance, length, silhouette, orientation,
+        curvature.
+    factor
+        Segments along an edge. Of uniform alone.
+    y_up
+        The mesh's own y axis points up. glTF files say so themselves.
+    sun
+        Where the light comes from: degrees clockwise from north, degrees above the horizon.
+    tile
+        Cells along a tile, 1 to 63. Of ground alone. Default: 7, or 15 on large ground.
+    device
+        cpu, gpu, a number or part of a name, see doctor. Default: a GPU if there is one.
+    """
+    from ..viewer.memory import keep_large_blocks_apart
+    from ..viewer.model import Model
+
+    if output is not None and not off_screen:
+        raise InputError("expected --off-screen with --output: in a window, c takes a picture")
+    whole("frames", frames, 1, 100_000)
+    keep_large_blocks_apart()
+    chosen: dict[str, Any] = {"mode": mode, "lod": lod, "factor": factor}
+    if sun is not None:
+        chosen |= {"azimuth": sun[0] % 360, "elevation": sun[1]}
+    path = Path(subject) if Path(subject).exists() else None
+    model = Model(lambda: _scene(subject, reading, tile, device, y_up), path=path)
+    settings = model.scene.settings
+    for name, value in chosen.items():
+        if value is not None:
+            settings = settings.changed(name, value)
+            if (held := getattr(settings, name)) != value:
+                raise InputError(
+                    f"expected {name} in its range, got {value:g}: nearest is {held:g}"
+                )
+    model.scene.settings = settings
+    eye = camera.instead_of(model.scene.camera())
+    if web:
+        from ..viewer.web import require_page, serve
+
+        require_page(host, port)
+        print(f"http://{host}:{port}/  (Ctrl-C ends it)", file=sys.stderr)
+        serve(model, eye, host=host, port=port, open_browser=browser)
+    elif off_screen:
+        from ..viewer.view import look
+
+        for line in look(model, eye, picture=output, record=record, frames=frames):
+            say(line)
+    else:
+        from ..viewer.view import view as show
+
+        show(model, eye, record=record)
+
+
+def _scene(
+    name: str, reading: GroundOptions, tile: int | None, device: str | None, y_up: bool
+) -> Scene:
+    """Return what is to be looked at, by the ending of its name."""
+    from ..device.device import Device
+    from ..files.meshes.bpt import load_bpt
+    from ..files.meshes.loading import load_mesh
+    from ..files.rasters.loading import FORMATS
+    from ..viewer.mesh_scene import BezierScene, CurvedScene
+    from ..viewer.terrain_scene import TerrainScene
+
+    endings = tuple(ending for form in FORMATS for ending in form.endings)
+    if not Path(name).suffix or name.lower().endswith(endings):
+        if y_up:
+            raise InputError(f"expected a mesh with --y-up, got the ground {name}")
+        scene = TerrainScene(reading.load(name), device=Device.open(device))
+        if tile is not None:
+            scene.settings = scene.settings.with_tile(tile)
+        log("%r", scene.ground)
+        return scene
+    for option, value in {**vars(reading), "tile": tile}.items():
+        if value is not None:
+            raise InputError(f"expected a raster with --{option.replace('_', '-')}, got {name}")
+    if name.lower().endswith(".bpt"):
+        return BezierScene(load_bpt(name), y_up=y_up, device=Device.open(device))
+    return CurvedScene(load_mesh(name), y_up=y_up, device=Device.open(device))

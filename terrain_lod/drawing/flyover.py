@@ -1,0 +1,190 @@
+"""Pictures along a camera path, one LOD or two side by side, with their counts in the picture.
+
+A file a picture, written whole or not at all; what is there already is not made again, so a path
+that was stopped goes on where it was.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+
+from ..camera.camera import Camera
+from ..errors import FileError, InputError
+from ..mesh.mesh import Mesh
+from ..paths import replacing, require_made
+from ..terrain.lod import Lod, PromiseLod
+from ..terrain.terrain import Terrain
+from .drape import Drape
+from .graphics import require_graphics
+from .render import Picture, render, save_png
+
+_NOTES: Final = "frames.json"  # what the pictures of a folder show
+_TEXT_HEIGHT: Final = 1 / 36  # of the picture
+_GAP: Final = 2  # pixels between two pictures
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """How pictures are drawn; see :func:`terrain_lod.drawing.render.render`."""
+
+    style: str = "shaded"
+    sun: tuple[float, float] = (315.0, 40.0)
+    drape: Drape | None = None
+    edges: bool = False
+    counts: bool = True
+
+
+def render_path(
+    terrain: Terrain,
+    cameras: Sequence[Camera],
+    directory: str | Path,
+    *,
+    lods: Sequence[Lod | PromiseLod],
+    look: Look = Look(),
+    edges: str | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> tuple[Path, ...]:
+    """Write a picture a camera, named 0000.png and on.
+
+    Parameters
+    ----------
+    terrain : Terrain
+    cameras : sequence of Camera
+    directory : str or Path
+        Made if it is not there. Pictures that are there already stay.
+    lods : sequence of Lod or PromiseLod
+        One, or two to be shown side by side.
+    look : Look, optional
+    edges : {"min", "max"}, optional
+        Rule for the factors of shared edges; see :meth:`terrain_lod.Terrain.mesh`.
+    progress : callable, optional
+        Called with pictures done and pictures in all.
+
+    Returns
+    -------
+    tuple of Path
+        All pictures, those that were there included.
+
+    Raises
+    ------
+    GraphicsError
+        If this machine cannot draw.
+    InputError
+        If there are not one or two LODs, or the folder holds pictures of something else.
+    FileError
+        If the folder or a picture cannot be written.
+    """
+    if len(lods) not in (1, 2):
+        raise InputError(f"expected one or two levels of detail, got {len(lods)}")
+    require_graphics()
+    folder = require_made(Path(directory))
+    _require_same(folder, _description(terrain, cameras, lods, look, edges))
+    digits = max(4, len(str(len(cameras) - 1)))
+    paths = tuple(folder / f"{number:0{digits}d}.png" for number in range(len(cameras)))
+    for number, (camera, path) in enumerate(zip(cameras, paths, strict=True)):
+        if not path.exists():
+            save_png(_picture(terrain, camera, lods, look, edges), path)
+        if progress is not None:
+            progress(number + 1, len(cameras))
+    return paths
+
+
+def _picture(
+    terrain: Terrain,
+    camera: Camera,
+    lods: Sequence[Lod | PromiseLod],
+    look: Look,
+    edges: str | None,
+) -> Picture:
+    """Return the picture of one camera, a part of its width a LOD."""
+    width, height = camera.size
+    part = (width - _GAP * (len(lods) - 1)) // len(lods)
+    picture = np.full((height, width, 3), 255, np.uint8)
+    for number, lod in enumerate(lods):
+        seen = replace(camera, size=(max(1, part), height))
+        mesh = terrain.mesh(seen, lod=lod, edges=edges)
+        shown = render(
+            mesh,
+            seen,
+            style=look.style,
+            sun=look.sun,
+            height_range=terrain.ground.height_range,
+            drape=look.drape,
+            edges=look.edges,
+        )
+        if look.counts:
+            shown = _labelled(shown, _label(mesh, lod))
+        left = number * (part + _GAP)
+        picture[:, left : left + shown.shape[1]] = shown
+    return picture
+
+
+def _label(mesh: Mesh, lod: Lod | PromiseLod) -> str:
+    name = type(lod).__name__.removesuffix("Lod")
+    if mesh.achieved is None:
+        return f"{name}: {len(mesh.triangles):,} triangles"
+    pixels = mesh.achieved.pixels
+    error = f"{mesh.achieved.metres:.3g} m" if pixels is None else f"{pixels:.2f} pixels"
+    return f"{name}: {len(mesh.triangles):,} triangles, error {error}"
+
+
+def _labelled(picture: Picture, text: str) -> Picture:
+    """Return the picture with a line of text at its lower left."""
+    image = Image.fromarray(picture)
+    size = max(9, round(picture.shape[0] * _TEXT_HEIGHT))
+    font = ImageFont.load_default(size)
+    pen = ImageDraw.Draw(image, "RGBA")
+    place = (size // 2, picture.shape[0] - size // 2)
+    box = pen.textbbox(place, text, font=font, anchor="ls")
+    margin = size // 3
+    pen.rectangle(
+        (box[0] - margin, box[1] - margin, box[2] + margin, box[3] + margin), (255, 255, 255, 190)
+    )
+    pen.text(place, text, (20, 26, 36), font=font, anchor="ls")
+    return np.asarray(image)
+
+
+def _description(
+    terrain: Terrain,
+    cameras: Sequence[Camera],
+    lods: Sequence[Lod | PromiseLod],
+    look: Look,
+    edges: str | None,
+) -> dict[str, object]:
+    """Return what makes the pictures what they are."""
+    drape = None if look.drape is None else int(look.drape.picture.astype(np.uint64).sum())
+    return {
+        "terrain": repr(terrain),
+        "cameras": [repr(camera) for camera in cameras],
+        "lods": [repr(lod) for lod in lods],
+        "edges": edges,
+        "look": [look.style, list(look.sun), look.edges, look.counts, drape],
+    }
+
+
+def _require_same(folder: Path, description: dict[str, object]) -> None:
+    """Note what the pictures of a folder show, or make sure that it is the same."""
+    notes = folder / _NOTES
+    try:
+        known = json.loads(notes.read_text(encoding="utf-8")) if notes.exists() else None
+    except ValueError:
+        known = {}
+    except OSError as error:
+        raise FileError(f"cannot read {notes}: {error.strerror}") from None
+    if known == description:
+        return
+    if known is not None and any(folder.glob("[0-9]*.png")):
+        changed = ", ".join(name for name in description if known.get(name) != description[name])
+        raise InputError(
+            f"expected a folder of the same pictures to go on with, got {folder} with other "
+            f"{changed}: empty it or choose another"
+        )
+    with replacing(notes) as temporary:
+        temporary.write_text(json.dumps(description, indent=1) + "\n", encoding="utf-8")

@@ -1,0 +1,226 @@
+"""Meshes out: files, and pyvista.
+
+========  ============================  =================================================
+ending    what                          where the origin and the CRS are
+========  ============================  =================================================
+``.glb``  binary glTF 2.0               on the node, exactly in its ``extras``; CRS there
+``.obj``  Wavefront text                both in a comment, the last line
+``.ply``  Stanford, binary              both in a comment of the header
+``.stl``  binary, facets without shape  origin in the header; no room for the CRS
+``.vtp``  VTK XML, with the cell data   both in the field data
+========  ============================  =================================================
+
+Vertices are written as they are: float32 relative to the origin, z up. A new format is one
+function and one row of ``FORMATS``.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import struct
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+import numpy.typing as npt
+
+from ...errors import InputError
+from ...ground.grid import TileGrid
+from ...ground.heightmap import Heightmap
+from ...mesh.mesh import Mesh
+from ...mesh.soundness import require_sound
+from ...paths import replacing
+from .glb import write_glb
+
+if TYPE_CHECKING:
+    import pyvista
+
+_log = logging.getLogger(__name__)
+
+# what the comments that record an origin begin with
+ORIGIN_MARK: Final = "terrain_lod origin"
+# bytes that an STL header has
+_STL_HEADER: Final = 80
+
+
+def save(mesh: Mesh, path: str | Path) -> Path:
+    """Write a mesh to a file; the ending chooses the format.
+
+    The file appears whole or not at all: it is written under a temporary name beside `path` and
+    renamed.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    path : str or pathlib.Path
+        Ends in .glb, .obj, .ply, .stl or .vtp. An existing file is replaced.
+
+    Returns
+    -------
+    pathlib.Path
+        The file.
+
+    Raises
+    ------
+    InputError
+        If the ending is none of these, if the mesh has no triangle, positions that are not finite
+        or corners that are no vertices, or if it does not fit the format.
+    FileError
+        If the folder does not exist or the file cannot be written.
+    """
+    path = Path(path)
+    write = FORMATS.get(path.suffix.lower())
+    if write is None:
+        raise InputError(
+            f"unknown mesh format {path.suffix!r}: expected a name that ends in "
+            f"{', '.join(FORMATS)}, got {path.name}"
+        )
+    if not len(mesh.triangles):
+        raise InputError(f"expected triangles to save in {path.name}, got an empty mesh")
+    require_sound(mesh.vertices, mesh.triangles)
+    with replacing(path) as temporary:
+        write(mesh, temporary)
+    return path
+
+
+def to_pyvista(mesh: Mesh, ground: Heightmap | None = None) -> pyvista.PolyData:
+    """Return the mesh as pyvista.PolyData that shares its memory.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    ground : Heightmap, optional
+        What to measure the error against.
+
+    Returns
+    -------
+    pyvista.PolyData
+        Points relative to the origin; add ``field_data["origin"]`` for world coordinates. Point
+        data: ``Normals``, and texture coordinates where the mesh has them. Field data: ``origin``
+        (3,) float64, ``crs``. A terrain's cell data:
+        ``patch`` int32, the patch's row-major number; ``factor`` float32, its larger inside
+        factor; ``level`` int8, how often that doubles: 0 for 1, 1 for 2, 3 for 8; ``deviation``
+        float32, that of its tile from the plane; with `ground`, ``error`` float32, the largest
+        vertical error of its tile.
+    """
+    import pyvista
+
+    surface = pyvista.PolyData.from_regular_faces(mesh.vertices, mesh.triangles)
+    surface.point_data.active_normals = mesh.normals
+    if mesh.textures is not None:
+        surface.point_data.active_texture_coordinates = mesh.textures
+    surface.field_data["origin"] = np.asarray(mesh.origin, np.float64)
+    if mesh.crs:
+        surface.field_data["crs"] = mesh.crs
+    if mesh.patches is not None:
+        patch = mesh.triangle_patches
+        factors = mesh.patches.inside_factors.max(axis=1)
+        surface.cell_data["patch"] = patch
+        surface.cell_data["factor"] = factors[patch]
+        levels = np.round(np.log2(np.maximum(factors, 1.0))).astype(np.int8)
+        surface.cell_data["level"] = levels[patch]
+        surface.cell_data["deviation"] = mesh.patches.deviation[patch]
+        if ground is not None:
+            surface.cell_data["error"] = _tile_errors(mesh, mesh.patches.tile, ground)[patch]
+    return surface
+
+
+def _tile_errors(mesh: Mesh, tile: int, ground: Heightmap) -> npt.NDArray[np.float32]:
+    """Return the largest vertical error of each tile, NaN where nothing was measured; (P,)."""
+    from ...measure.error import vertical_error  # a file needs no device
+
+    errors = vertical_error(mesh, ground, field=True).field
+    assert errors is not None
+    grid = TileGrid.of(ground, tile)
+    worst = np.abs(errors)
+    # neighbours share their border samples: the last line of each tile is the first of the next
+    for axis, corners in enumerate((grid.corner_rows, grid.corner_columns)):
+        within = np.fmax.reduceat(worst, corners[:-1], axis=axis)
+        worst = np.fmax(within, worst.take(corners[1:], axis=axis))
+    return worst.ravel()
+
+
+def _write_obj(mesh: Mesh, path: Path) -> None:
+    from vtkmodules.vtkIOGeometry import vtkOBJWriter
+
+    _write_with(vtkOBJWriter(), mesh, path)
+    middle = "//{0}" if mesh.textures is None else "/{0}/{0}"
+    corners = " ".join(f"{{0}}{middle}".format(corner) for corner in mesh.triangles[-1] + 1)
+    _require_ending(path, f"f {corners}\n".encode())
+    with path.open("a", encoding="utf-8") as file:
+        file.write(f"# {_origin_note(mesh)}\n")
+
+
+def _write_ply(mesh: Mesh, path: Path) -> None:
+    from vtkmodules.vtkIOPLY import vtkPLYWriter
+
+    writer = vtkPLYWriter()
+    writer.SetFileTypeToBinary()
+    writer.SetDataByteOrderToLittleEndian()
+    writer.AddComment(_origin_note(mesh))
+    _write_with(writer, mesh, path)
+    _require_ending(path, struct.pack("<B3i", 3, *mesh.triangles[-1]))
+
+
+def _write_stl(mesh: Mesh, path: Path) -> None:
+    from vtkmodules.vtkIOGeometry import vtkSTLWriter
+
+    writer = vtkSTLWriter()
+    writer.SetFileTypeToBinary()
+    note = _origin_note(mesh, with_crs=False)
+    if len(note) > _STL_HEADER:
+        _log.warning("the origin does not fit an STL header and is not recorded: %s", note)
+        note = "terrain_lod"
+    writer.SetHeader(note)
+    _write_with(writer, mesh, path)
+
+
+def _write_vtp(mesh: Mesh, path: Path) -> None:
+    from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
+
+    # raw appended data: 0.1 s for two million triangles, where VTK's default takes 4
+    writer = vtkXMLPolyDataWriter()
+    writer.SetDataModeToAppended()
+    writer.EncodeAppendedDataOff()
+    writer.SetCompressorTypeToNone()
+    _write_with(writer, mesh, path)
+
+
+FORMATS: Final[dict[str, Callable[[Mesh, Path], None]]] = {
+    ".glb": write_glb,
+    ".obj": _write_obj,
+    ".ply": _write_ply,
+    ".stl": _write_stl,
+    ".vtp": _write_vtp,
+}
+
+
+def _write_with(writer: Any, mesh: Mesh, path: Path) -> None:
+    """Run one of VTK's writers, with its complaints as an OSError instead of on the terminal."""
+    complaints: list[object] = []
+    for source in (writer, writer.GetExecutive()):
+        source.AddObserver("ErrorEvent", lambda *event: complaints.append(event))
+    writer.SetFileName(str(path))
+    writer.SetInputData(to_pyvista(mesh))
+    if not writer.Write() or complaints:
+        # below 20000 VTK's codes are the system's
+        code = writer.GetErrorCode()
+        reason = os.strerror(code) if 0 < code < 20000 else "is there room on the disk?"
+        raise OSError(code, reason)
+
+
+def _require_ending(path: Path, expected: bytes) -> None:
+    """Make sure that a file ends as it must: some of VTK's writers do not notice a full disk."""
+    with path.open("rb") as file:
+        file.seek(-min(len(expected), path.stat().st_size), os.SEEK_END)
+        if file.read() != expected:
+            raise OSError("only part of it was written: is there room on the disk?")
+
+
+def _origin_note(mesh: Mesh, *, with_crs: bool = True) -> str:
+    """Return the comment that records the origin, and the CRS on the same line."""
+    x, y, z = (repr(float(value)) for value in mesh.origin)
+    crs = f" crs {' '.join(mesh.crs.split())}" if with_crs and mesh.crs else ""
+    return f"{ORIGIN_MARK} {x} {y} {z}{crs}"

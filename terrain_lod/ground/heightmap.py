@@ -1,0 +1,313 @@
+"""Ground as a grid of heights, and where it stands in the world.
+
+World axes are x east, y north, z up, right-handed, in metres or whatever unit the raster has.
+Row 0 is the northernmost row: sample ``[row, column]`` stands at
+``(x0 + column * dx, y0 - row * dy)``. Samples are vertices; between them height is bilinear.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from copy import copy
+from dataclasses import dataclass
+from operator import index
+from typing import Any, Final
+
+import numpy as np
+import numpy.typing as npt
+
+from ..arguments import finite, positive
+from ..errors import InputError
+
+_LARGEST: Final = float(np.finfo(np.float32).max)
+
+
+@dataclass(frozen=True, init=False, eq=False)
+class Heightmap:
+    """A raster of heights with its spacing, origin and holes.
+
+    Parameters
+    ----------
+    heights : array_like, (R, C), any real dtype
+        Heights relative to `base`, row 0 north. NaN and masked elements are nodata. Not modified.
+    spacing : float or (float, float), optional
+        Distance between neighbouring samples along x and y, in world units.
+    origin : (float, float), optional
+        World x and y of sample [0, 0], the north-western corner.
+    base : float, optional
+        Added to every height.
+    mask : array_like of bool, (R, C), optional
+        True where there is no data, besides NaN and masked elements.
+    crs : str, optional
+        Coordinate reference system of the world axes, as an authority code or WKT.
+    name : str, optional
+        What reports call this ground.
+
+    Attributes
+    ----------
+    heights : (R, C) float32
+        Relative to `base`, read-only, 0 where there is no data. Where the given heights do not fit
+        float32 exactly, `base` has been moved to the middle of their range: an elevation is
+        ``base + heights`` in float64.
+    spacing, origin : (float, float)
+    base : float
+    mask : (R, C) bool or None
+        True where there is no data; None where data is everywhere.
+    crs : str or None
+    name : str
+
+    Raises
+    ------
+    InputError
+        If the array is not two-dimensional with at least 2 x 2 samples, is not real, holds
+        infinities or no data at all, or if spacing is not positive.
+
+    Examples
+    --------
+    >>> Heightmap([[0, 1], [2, float("nan")]], spacing=30.0)
+    Heightmap(2 x 2, spacing=(30, 30), heights 0 to 2, 1 nodata)
+    """
+
+    heights: npt.NDArray[np.float32]
+    spacing: tuple[float, float]
+    origin: tuple[float, float]
+    base: float
+    mask: npt.NDArray[np.bool_] | None
+    crs: str | None
+    name: str
+
+    def __init__(
+        self,
+        heights: npt.ArrayLike,
+        *,
+        spacing: float | tuple[float, float] = 1.0,
+        origin: tuple[float, float] = (0.0, 0.0),
+        base: float = 0.0,
+        mask: npt.ArrayLike | None = None,
+        crs: str | None = None,
+        name: str = "ground",
+    ) -> None:
+        values, hole = _heights_and_holes(heights, mask)
+        stored, shift = _to_float32(values, hole)
+        self._set("heights", _frozen(stored))
+        self._set("mask", _frozen(hole) if hole.any() else None)
+        self._set("spacing", tuple(positive("spacing", step) for step in _pair("spacing", spacing)))
+        self._set("origin", tuple(finite("origin", value) for value in _pair("origin", origin)))
+        self._set("base", finite("base", base) + shift)
+        self._set("crs", crs)
+        self._set("name", name)
+
+    def _set(self, field: str, value: object) -> None:
+        object.__setattr__(self, field, value)
+
+    def with_elevations(
+        self, rows: slice, columns: slice, elevations: npt.ArrayLike
+    ) -> tuple[Heightmap, slice, slice]:
+        """Return this ground with some of its samples replaced, and which, start and stop given.
+
+        Parameters
+        ----------
+        rows, columns : slice
+            Samples to replace: within the raster, without a step.
+        elevations : array_like of these samples, any real dtype
+            In the world, as :attr:`elevation`, not relative to `base`, which stays as it is. NaN
+            and masked elements are nodata.
+
+        Raises
+        ------
+        InputError
+            If the slices are not such, the shape is another, the array is not real or holds
+            infinities, or no data would be left.
+        """
+        part = _within("rows", rows, self.shape[0]), _within("columns", columns, self.shape[1])
+        shape = tuple(piece.stop - piece.start for piece in part)
+        values, hole = _real(elevations), _masked(elevations)
+        if values.shape != shape:
+            raise InputError(f"expected heights of shape {shape}, got {values.shape}")
+        _add_nan(hole, values)
+        relative = np.where(hole, 0.0, np.subtract(values, self.base, dtype=np.float64))
+        if np.abs(relative).max() > _LARGEST:
+            raise InputError("expected heights that float32 can hold, got some beyond its range")
+        mask = self.mask
+        if mask is not None or hole.any():
+            mask = np.zeros(self.shape, bool) if mask is None else mask.copy()
+            mask[part] = hole
+            if mask.all():
+                raise InputError("expected some data to be left, got nodata for the last of it")
+        heights = self.heights.copy()
+        heights[part] = relative
+        new = copy(self)
+        new._set("heights", _frozen(heights))
+        new._set("mask", _frozen(mask) if mask is not None and mask.any() else None)
+        return new, *part
+
+    def with_detail(self, detail: Heightmap) -> Heightmap:
+        """Return this ground made finer, with a small heightmap added again and again.
+
+        The samples are as far apart as the detail's. Sample [r, c] is this ground, bilinear there,
+        plus detail [r % rows, c % columns]: the detail's first sample adds to this ground's first
+        one, whatever the detail's origin. Where the ground lacks a sample that is needed, so does
+        the sum.
+
+        :class:`~terrain_lod.Terrain` takes detail without ever storing the sum; this is what its
+        meshes are to be measured against.
+
+        Parameters
+        ----------
+        detail : Heightmap
+            With data everywhere, in the same units, its spacing a whole part of this ground's
+            along each axis.
+
+        Returns
+        -------
+        Heightmap
+            Its shape is ((R - 1) * down + 1, (C - 1) * across + 1) for so many steps a cell.
+
+        Raises
+        ------
+        InputError
+            If the detail is not such, has another CRS, or the sums do not fit float32.
+        """
+        from .relief import Relief
+
+        return Relief(self, detail).sum()
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Samples along y and x: rows, columns."""
+        rows, columns = self.heights.shape
+        return rows, columns
+
+    @property
+    def valid(self) -> npt.NDArray[np.bool_]:
+        """True where there is data; (R, C)."""
+        return np.ones(self.shape, bool) if self.mask is None else ~self.mask
+
+    @property
+    def elevation(self) -> npt.NDArray[np.float64]:
+        """``base + heights`` in float64, NaN where there is no data; (R, C)."""
+        elevation = np.add(self.heights, self.base, dtype=np.float64)
+        if self.mask is not None:
+            elevation[self.mask] = np.nan
+        return elevation
+
+    @property
+    def height_range(self) -> tuple[float, float]:
+        """Lowest and highest elevation."""
+        valid = self.heights if self.mask is None else self.heights[~self.mask]
+        return self.base + float(valid.min()), self.base + float(valid.max())
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """World size along x and y, first to last sample."""
+        rows, columns = self.shape
+        return (columns - 1) * self.spacing[0], (rows - 1) * self.spacing[1]
+
+    @property
+    def centre(self) -> tuple[float, float, float]:
+        """World point in the middle of the ground's bounding box."""
+        width, depth = self.extent
+        low, high = self.height_range
+        return self.origin[0] + width / 2, self.origin[1] - depth / 2, (low + high) / 2
+
+    def _repr_html_(self) -> str:
+        from ..drawing.notebook import heightmap_html
+
+        return heightmap_html(self)
+
+    def __repr__(self) -> str:
+        rows, columns = self.shape
+        low, high = self.height_range
+        holes = "" if self.mask is None else f", {int(self.mask.sum())} nodata"
+        return (
+            f"Heightmap({rows} x {columns}, spacing=({self.spacing[0]:g}, {self.spacing[1]:g}), "
+            f"heights {low:g} to {high:g}{holes})"
+        )
+
+
+def _pair(name: str, value: object) -> tuple[object, object]:
+    """Return two values; a single number stands for both."""
+    if not isinstance(value, Iterable):
+        return value, value
+    pair = tuple(value)
+    if len(pair) != 2:
+        raise InputError(f"expected one or two numbers for {name}, got {len(pair)}")
+    return pair[0], pair[1]
+
+
+def _frozen(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    array.setflags(write=False)
+    return array
+
+
+def _heights_and_holes(
+    heights: npt.ArrayLike, mask: npt.ArrayLike | None
+) -> tuple[npt.NDArray[Any], npt.NDArray[np.bool_]]:
+    """Return the plain array and where it has no data, or say what is wrong with it."""
+    values = _real(heights)
+    if values.ndim != 2 or min(values.shape) < 2:
+        raise InputError(f"expected heights of at least 2 x 2 samples, got shape {values.shape}")
+    hole = _masked(heights)
+    if mask is not None:
+        extra = np.asarray(mask, bool)
+        if extra.shape != values.shape:
+            raise InputError(f"expected a mask of shape {values.shape}, got {extra.shape}")
+        hole |= extra
+    _add_nan(hole, values)
+    if hole.all():
+        raise InputError("expected heights, got no data at all (every sample is NaN or masked)")
+    return values, hole
+
+
+def _real(heights: npt.ArrayLike) -> npt.NDArray[Any]:
+    values = np.asarray(np.ma.getdata(heights))
+    if values.dtype.kind not in "biuf":
+        raise InputError(f"expected real heights, got an array of {values.dtype}")
+    return values
+
+
+def _masked(heights: npt.ArrayLike) -> npt.NDArray[np.bool_]:
+    return np.array(np.broadcast_to(np.ma.getmaskarray(np.ma.asarray(heights)), np.shape(heights)))
+
+
+def _add_nan(hole: npt.NDArray[np.bool_], values: npt.NDArray[Any]) -> None:
+    """Add NaN to the holes, and refuse infinities elsewhere."""
+    if values.dtype.kind != "f":
+        return
+    hole |= np.isnan(values)
+    infinite = np.isinf(values) & ~hole
+    if infinite.any():
+        row, column = np.argwhere(infinite)[0]
+        raise InputError(
+            f"expected finite heights, got {values[row, column]} at [{row}, {column}]: "
+            "mask it or set it to NaN where it stands for nodata"
+        )
+
+
+def _within(name: str, part: slice, extent: int) -> slice:
+    """Return `part` with start and stop filled in, or say what is wrong with it."""
+    if not isinstance(part, slice):
+        raise InputError(f"expected {name} as a slice, got {part!r}")
+    start = 0 if part.start is None else part.start
+    stop = extent if part.stop is None else part.stop
+    if part.step not in (None, 1) or not 0 <= index(start) < index(stop) <= extent:
+        raise InputError(f"expected {name} within slice(0, {extent}), got {part}")
+    return slice(index(start), index(stop))
+
+
+def _to_float32(
+    values: npt.NDArray[Any], hole: npt.NDArray[np.bool_]
+) -> tuple[npt.NDArray[np.float32], float]:
+    """Return heights in float32 and what was taken off them so that they lose the least."""
+    known = values[~hole] if hole.any() else values
+    low, high = float(known.min()), float(known.max())
+    if max(-low, high) > _LARGEST:
+        raise InputError(f"expected heights that float32 can hold, got {low:g} to {high:g}")
+    exact = values.dtype.itemsize < 4 or values.dtype == np.float32
+    if not exact:
+        exact = bool((known.astype(np.float32) == known).all())
+    # a whole number, so that the shift itself costs nothing
+    shift = 0.0 if exact else float(np.round(low / 2 + high / 2))
+    stored = np.array(values - shift if shift else values, np.float32, order="C")
+    stored[hole] = 0.0
+    return stored, shift

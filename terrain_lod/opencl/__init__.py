@@ -1,1 +1,0 @@
-"""What ``device.py`` is made of: the machine's devices, kernel text, arguments, times, linking."""

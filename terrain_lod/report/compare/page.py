@@ -1,0 +1,234 @@
+"""The comparison as one HTML page that can be mailed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from html import escape
+from importlib.metadata import version
+from importlib.resources import files
+from string import Template
+from typing import TYPE_CHECKING, Final
+
+from ..html import (
+    card,
+    figure,
+    listing,
+    paragraph,
+    row_of_figures,
+    section,
+)
+from ..page import css_ramp
+from .trials import Result
+
+if TYPE_CHECKING:
+    from .compare import SweepReport
+
+_HEADS: Final = (
+    "",
+    "Edges",
+    "Triangles",
+    "Largest, m",
+    "RMS, m",
+    "Largest, px",
+    "RMS, px",
+    "Kept",
+    "Pop, px",
+    "Whole, ms",
+)
+_COST_HEADS: Final = (
+    "",
+    "Edges",
+    "Triangles",
+    "Whole, ms",
+    "least – most",
+    "First, ms",
+    "View, ms",
+    "least – most",
+    "Mesh, MB",
+    "Device, MB",
+    "Peak, MB",
+)
+
+
+def comparison_page(made: SweepReport) -> str:
+    """Return the page's text."""
+    template = Template(files("terrain_lod.report").joinpath("report.html").read_text("utf-8"))
+    ground = made.course.ground
+    (rows, columns), (low, high) = ground.shape, ground.height_range
+    number = version("terrain_lod")
+    return template.substitute(
+        version=escape(number),
+        title=escape(f"Speed against error: {ground.name}"),
+        subtitle=escape(
+            f"{rows:,} × {columns:,} samples, {ground.spacing[0]:g} × {ground.spacing[1]:g} m "
+            f"apart, {low:,.0f} to {high:,.0f} m high; {len(made.course.pairs)} views of a low "
+            f"flight, {made.course.cameras[0].size[0]} × {made.course.cameras[0].size[1]} pixels; "
+            f"on {made.course.device.info}."
+        ),
+        verdict="\n".join(map(paragraph, [*made.findings, *made.speeds])),
+        cards="\n".join(_cards(made)),
+        sections="\n".join(_sections(made)),
+        footer=escape(
+            f"Made by terrain_lod {number}. The same numbers: compare.json, compare.csv and, "
+            "for what differs from run to run, times.csv."
+        ),
+        ramp=css_ramp(),
+    )
+
+
+def _cards(made: SweepReport) -> Iterator[str]:
+    promised = [r for r in made.results if r.contender.peer is None and _asks(r)]
+    broken = sum(result.broken is not None for result in promised)
+    yield card(f"{broken} of {len(promised)}", "promises of an error broken, measured outside")
+    peers = [r for r in made.sweep if r.contender.peer is not None and _asks(r)]
+    if peers:
+        count = sum(result.broken is not None for result in peers)
+        yield card(f"{count} of {len(peers)}", "broken by peers that state an error")
+    yield card(f"{len(made.results)}", "meshes made, timed and measured at every sample")
+
+
+def _asks(result: Result) -> bool:
+    return bool(result.contender.asked_metres or result.contender.asked_pixels)
+
+
+def _sections(made: SweepReport) -> Iterator[str]:
+    yield section(
+        "Triangles and time against error",
+        paragraph(
+            "Lower and further left is better. Lines join one maker at several settings; dashes "
+            "are peers. View-dependent levels of detail count the triangles of one view: they are "
+            "meant for the plot in pixels. What has no error at all is off the scale and in the "
+            "table.",
+            kind="soft",
+        ),
+        figure(made.files["triangles"], "Triangles against the largest error"),
+        figure(made.files["time"], "Time from raster to mesh against the largest error, warm"),
+    )
+    yield _seen(made)
+    yield _tried(made)
+    yield section(
+        "Time and memory",
+        paragraph(
+            "Whole: from raster in host memory to mesh in host memory, terrain and error ladder "
+            "included, warm; median, and least to most of up to three. First: the first call, in "
+            "which kernels may have been built. View: one more camera, the terrain being there. "
+            "Mesh: its positions, normals and corners. Device: held there for terrain and mesh. "
+            "Peak: host memory that the first call took on top, where the system tells.",
+            kind="soft",
+        ),
+        listing(_COST_HEADS, map(_cost_line, made.sweep), words=2),
+    )
+    yield section(
+        "Tile sizes",
+        paragraph("The two promises at one tolerance, in tiles of every size.", kind="soft"),
+        listing(
+            ("", "Tile", *_HEADS[1:]),
+            ([line[0], str(r.contender.tile), *line[1:]] for r in made.tiles if (line := _line(r))),
+            words=3,
+        ),
+    )
+    yield _popping(made)
+
+
+def _tried(made: SweepReport) -> str:
+    return section(
+        "Everything tried",
+        paragraph(
+            "Errors are measured at every sample, from the triangles, by the same code for all; "
+            "in pixels at every sample in view. Kept: whether the error asked for is the error "
+            "measured, and by which factor it was missed if not; a peer is forgiven a thousandth, "
+            "which rounding may add, ours nothing. Pop: how far the surface jumps to "
+            "the next of 240 pictures of the flight.",
+            kind="soft",
+        ),
+        listing(_HEADS, map(_line, made.sweep), words=2),
+        *(_absent(made.missing) if made.missing else ()),
+    )
+
+
+def _popping(made: SweepReport) -> str:
+    return section(
+        "Popping",
+        paragraph(
+            "Distance LOD in every partitioning: between whole numbers of segments the surface "
+            "jumps, fractional ones let it move.",
+            kind="soft",
+        ),
+        listing(
+            ("Partitioning", "Triangles", "Largest pop, px", "RMS, px"),
+            (
+                (
+                    r.contender.partitioning,
+                    f"{r.triangles:,}",
+                    _short(r.pop),
+                    _short(r.pop_rms),
+                )
+                for r in made.partitionings
+            ),
+        ),
+    )
+
+
+def _absent(missing: Sequence[str]) -> Iterator[str]:
+    yield paragraph(
+        f"Not installed and so not compared: {', '.join(missing)}. "
+        "pip install 'terrain_lod[compare]' brings them."
+    )
+
+
+def _seen(made: SweepReport) -> str:
+    names = [name for name in made.files if name.endswith("Lod")]
+    if not names:
+        return section("Where the triangles go", paragraph("This machine draws no 3-D pictures."))
+    ramp = '<div class="ramp"><span>1</span><i></i><span>a tile’s cells</span></div>'
+    pictures = [figure(made.files[name], name) for name in names]
+    return section(
+        "Where the triangles go",
+        paragraph("The first view, each patch in the colour of its inside factor.", kind="soft"),
+        ramp,
+        row_of_figures("two", pictures),
+    )
+
+
+def _line(result: Result) -> list[str]:
+    contender, kept = result.contender, ""
+    if _asks(result):
+        kept = "yes" if result.broken is None else f"× {result.broken:.3g}"
+    return [
+        *_who(result),
+        *map(_short, (result.metres, result.metres_rms, result.pixels, result.pixels_rms)),
+        kept,
+        "static" if contender.is_static else _short(result.pop),
+        _milliseconds(result.times.whole),
+    ]
+
+
+def _cost_line(result: Result) -> list[str]:
+    times = result.times
+    return [
+        *_who(result),
+        _milliseconds(times.whole),
+        f"{_milliseconds(times.whole_low)} – {_milliseconds(times.whole_high)}",
+        _milliseconds(times.first),
+        _milliseconds(times.view),
+        f"{_milliseconds(times.view_low)} – {_milliseconds(times.view_high)}".strip(" –"),
+        f"{result.mesh_bytes / 1e6:.1f}",
+        f"{result.device_bytes / 1e6:.1f}" if result.device_bytes else "",
+        "" if times.peak_bytes is None else f"{times.peak_bytes / 1e6:.0f}",
+    ]
+
+
+def _who(result: Result) -> tuple[str, str, str]:
+    contender = result.contender
+    label = contender.label.removesuffix(f", {contender.edges}")
+    return label, contender.edges, f"{result.triangles:,}"
+
+
+def _milliseconds(seconds: float | None) -> str:
+    return "" if seconds is None else _short(1e3 * seconds)
+
+
+def _short(value: float) -> str:
+    if value != value:  # nothing was in view
+        return "–"
+    return f"{value:,.0f}" if abs(value) >= 1000 else f"{value:.3g}"

@@ -1,0 +1,168 @@
+"""Two levels of detail at one camera, measured: triangles drawn, error, time.
+
+Distance LOD gives near patches more triangles, coplanarity LOD gives near and rough ones more. At
+their defaults they differ in triangles *and* in error, so a third trial settles which is better:
+the distance LOD again, its highest factor lowered until it draws as many triangles.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from statistics import median
+from typing import Final
+
+from ..camera.camera import Camera
+from ..device.layout import MAX_TILE
+from ..measure.error import VerticalError, vertical_error
+from ..mesh.mesh import Mesh
+from ..terrain.lod import CoplanarityLod, DistanceLod, Lod
+from ..terrain.terrain import Terrain
+
+# triangle counts within this share of each other count as equal
+EQUAL_SHARE: Final = 0.01
+_BISECTIONS: Final = 24
+_RUNS: Final = 5  # of which the median time is reported
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """One level of detail at the camera.
+
+    Attributes
+    ----------
+    name : str
+    lod : Lod
+    parameters : dict of str to float
+        Of the level of detail, those included that it takes from the ground.
+    mesh : Mesh
+    error : VerticalError
+        With its field, over the patches in view.
+    seconds : dict of str to float
+        Median device time by stage.
+    """
+
+    name: str
+    lod: Lod
+    parameters: dict[str, float]
+    mesh: Mesh
+    error: VerticalError
+    seconds: dict[str, float]
+
+    @property
+    def triangles(self) -> int:
+        return len(self.mesh.triangles)
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Three trials on one terrain at one camera.
+
+    Attributes
+    ----------
+    terrain : Terrain
+    camera : Camera
+    edges : str
+        Rule for shared edges.
+    distance, coplanarity : Trial
+        At the parameters asked for.
+    equal : Trial
+        Distance LOD with as many triangles as coplanarity.
+    """
+
+    terrain: Terrain
+    camera: Camera
+    edges: str
+    distance: Trial
+    coplanarity: Trial
+    equal: Trial
+
+    @property
+    def trials(self) -> tuple[Trial, Trial, Trial]:
+        return self.distance, self.coplanarity, self.equal
+
+    @property
+    def is_equal(self) -> bool:
+        """Whether the triangle counts of `equal` and `coplanarity` could be made to agree."""
+        return abs(_excess(self.equal.triangles, self.coplanarity.triangles)) <= EQUAL_SHARE
+
+
+def compare(
+    terrain: Terrain,
+    camera: Camera,
+    *,
+    distance: DistanceLod,
+    coplanarity: CoplanarityLod,
+    edges: str = "min",
+    step: Callable[[], None] = lambda: None,
+) -> Comparison:
+    """Mesh and measure both levels of detail, and distance LOD at equal triangle counts.
+
+    Parameters
+    ----------
+    terrain : Terrain
+    camera : Camera
+    distance, coplanarity : DistanceLod, CoplanarityLod
+    edges : {"min", "max"}, optional
+    step : callable, optional
+        Called after each of the three trials.
+    """
+
+    def trial(name: str, lod: Lod) -> Trial:
+        runs = [terrain.mesh(camera, lod=lod, edges=edges) for _ in range(_RUNS)]
+        error = vertical_error(runs[0], terrain.ground, field=True, device=terrain.device)
+        stages = runs[0].timings
+        seconds = {stage: median(run.timings[stage] for run in runs) for stage in stages}
+        step()
+        return Trial(name, lod, lod.parameters(terrain.scene), runs[0], error, seconds)
+
+    by_distance, by_coplanarity = trial("distance", distance), trial("coplanarity", coplanarity)
+    lod = with_triangles(terrain, camera, distance, by_coplanarity.triangles, edges=edges)
+    equal = trial("distance_equal", lod)
+    return Comparison(terrain, camera, edges, by_distance, by_coplanarity, equal)
+
+
+def with_triangles(
+    terrain: Terrain, camera: Camera, lod: DistanceLod, triangles: int, *, edges: str = "min"
+) -> DistanceLod:
+    """Return `lod` with the highest factor at which it draws `triangles`, to within 1 %.
+
+    Bisects ``maximum`` between ``minimum`` and 63. Where the count jumps past `triangles`, as it
+    may with few patches, the nearest count that was met is taken.
+    """
+    low, high = lod.minimum, float(MAX_TILE)
+    best, least = lod, float("inf")
+    for _ in range(_BISECTIONS):
+        candidate = replace(lod, maximum=(low + high) / 2)
+        count = len(terrain.mesh(camera, lod=candidate, edges=edges).triangles)
+        excess = _excess(count, triangles)
+        if abs(excess) < least:
+            best, least = candidate, abs(excess)
+        if least <= EQUAL_SHARE / 10:
+            break
+        low, high = (low, candidate.maximum) if excess > 0 else (candidate.maximum, high)
+    return best
+
+
+def _excess(count: int, wanted: int) -> float:
+    """Return by which share of `wanted` the count is too high."""
+    return (count - wanted) / max(wanted, 1)
+
+
+def device_bytes(terrain: Terrain, mesh: Mesh) -> dict[str, int]:
+    """Return bytes of device memory that this engine holds for a terrain and for one mesh of it.
+
+    Heights 4 a sample (and 1 for nodata); a tile 2 x 16 for its plane and details, 12 x 4 for
+    its patch, a corner 16; then a patch 24 for its factors and 8 for its offsets, a point 8 in
+    the domain and 24 in the world, a triangle 12.
+    """
+    (rows, columns), grid = terrain.ground.shape, terrain.grid
+    corners = (grid.shape[0] + 1) * (grid.shape[1] + 1)
+    nodata = rows * columns if terrain.ground.mask is not None else 1
+    return {
+        "terrain": rows * columns * 4 + nodata + grid.count * (32 + 48) + corners * 16,
+        "mesh": grid.count * 24
+        + (grid.count + 1) * 8
+        + len(mesh.vertices) * 32
+        + len(mesh.triangles) * 12,
+    }

@@ -1,0 +1,224 @@
+"""A report on a ground: distance LOD against coplanarity LOD, in numbers, pictures and words."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, Final
+
+from ..camera.camera import Camera
+from ..camera.viewpoint import default_camera
+from ..device.device import Device
+from ..device.layout import DEFAULT_TILE
+from ..drawing.graphics import graphics_problem
+from ..ground.heightmap import Heightmap
+from ..paths import replacing, require_made
+from ..terrain.lod import CoplanarityLod, DistanceLod
+from ..terrain.terrain import Terrain
+from .comparison import Comparison, compare
+from .maps import save_maps
+from .page import page
+from .pictures import COUNT, Difference, save_pictures
+from .tables import Row, rows_of
+from .verdict import verdict
+
+# of the JSON file; raised when a key changes its meaning
+FORMAT: Final = 1
+
+_STEPS: Final = 1 + 3 + COUNT + 1 + 1  # terrain, trials, pictures, maps, texts
+
+
+@dataclass(frozen=True, eq=False)
+class Report:
+    """What a report found and wrote.
+
+    Attributes
+    ----------
+    comparison : Comparison
+    rows : tuple of Row
+        Every number, with its unit.
+    verdict : tuple of str
+        Sentences.
+    files : dict of str to Path
+        ``html``, ``json``, ``csv``, ``maps`` and, where this machine can draw, the pictures.
+    no_pictures : str or None
+        Why there are no 3-D pictures.
+    """
+
+    comparison: Comparison
+    rows: tuple[Row, ...]
+    verdict: tuple[str, ...]
+    files: dict[str, Path]
+    no_pictures: str | None
+
+
+def report(
+    ground: Heightmap,
+    directory: str | Path,
+    *,
+    camera: Camera | None = None,
+    tile: int = DEFAULT_TILE,
+    plane: str = "least_squares",
+    edges: str = "min",
+    distance: DistanceLod | None = None,
+    coplanarity: CoplanarityLod | None = None,
+    device: Device | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Report:
+    """Compare naive distance LOD with coplanarity LOD at one camera, and write it down.
+
+    Writes ``report.html`` (self-contained), ``report.json``, ``report.csv``, ``maps.svg`` and,
+    where this machine can draw, PNG pictures of both in every style and of their difference. The
+    same ground, camera and device give the same files, save for times.
+
+    Parameters
+    ----------
+    ground : Heightmap
+    directory : str or Path
+        Made if it is not there.
+    camera : Camera, optional
+        Default: an oblique view over the ground.
+    tile, plane, device : optional
+        As for :class:`Terrain`.
+    edges : {"min", "max"}, optional
+    distance, coplanarity : DistanceLod, CoplanarityLod, optional
+    progress : callable, optional
+        Called with steps done and steps in all.
+
+    Returns
+    -------
+    Report
+
+    Raises
+    ------
+    InputError
+        If an option is not one of these.
+    FileError
+        If the directory or a file cannot be written.
+    DeviceMemoryError
+        If the device cannot hold the ground or a mesh.
+    """
+    step = _Steps(progress)
+    terrain = Terrain(ground, tile=tile, plane=plane, device=device)
+    step()
+    comparison = compare(
+        terrain,
+        camera or default_camera(ground),
+        distance=distance or DistanceLod(),
+        coplanarity=coplanarity or CoplanarityLod(),
+        edges=edges,
+        step=step,
+    )
+    folder = require_made(Path(directory))
+    files, difference = save_pictures(comparison, folder, step)
+    files["maps"] = save_maps(comparison, folder / "maps.svg")
+    step()
+    made = Report(
+        comparison,
+        tuple(rows_of(comparison)),
+        tuple(verdict(comparison, difference)),
+        files,
+        graphics_problem(),
+    )
+    _write_texts(made, difference, folder)
+    step.finish()
+    return made
+
+
+class _Steps:
+    """Counts steps for those who want to know."""
+
+    def __init__(self, progress: Callable[[int, int], None] | None) -> None:
+        self._progress = progress or (lambda done, total: None)
+        self._done = 0
+
+    def __call__(self) -> None:
+        self._done += 1
+        self._progress(self._done, _STEPS)
+
+    def finish(self) -> None:
+        """Report the end, pictures that could not be drawn included."""
+        self._progress(_STEPS, _STEPS)
+
+
+def _write_texts(made: Report, difference: Difference | None, folder: Path) -> None:
+    """Write the numbers and the page, and add them to the report's files."""
+    text = page(
+        made.comparison,
+        made.rows,
+        made.verdict,
+        made.files,
+        difference,
+        version=version("terrain_lod"),
+        no_pictures=made.no_pictures,
+    )
+    made.files["html"] = _written(folder / "report.html", text)
+    made.files["json"] = _written(folder / "report.json", _json(made, difference))
+    made.files["csv"] = _written(folder / "report.csv", _csv(made))
+
+
+def _written(path: Path, text: str) -> Path:
+    with replacing(path) as temporary:
+        temporary.write_text(text, encoding="utf-8", newline="\n")
+    return path
+
+
+def _csv(made: Report) -> str:
+    """Return a line a quantity: its key, its unit, a value a trial."""
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(["quantity", "unit", *(trial.name for trial in made.comparison.trials)])
+    for row in made.rows:
+        values = ["" if value is None else repr(value) for value in row.values]
+        writer.writerow([row.key, row.unit, *values])
+    return stream.getvalue()
+
+
+def _json(made: Report, difference: Difference | None) -> str:
+    """Return everything: what was compared, every quantity of every trial, the verdict."""
+    comparison, terrain = made.comparison, made.comparison.terrain
+    ground = terrain.ground
+    low, high = ground.height_range
+    content: dict[str, Any] = {
+        "format": FORMAT,
+        "terrain_lod": version("terrain_lod"),
+        "ground": {
+            "name": ground.name,
+            "rows": ground.shape[0],
+            "columns": ground.shape[1],
+            "spacing": ground.spacing,
+            "origin": ground.origin,
+            "lowest": low,
+            "highest": high,
+            "nodata": 0 if ground.mask is None else int(ground.mask.sum()),
+            "crs": ground.crs,
+        },
+        "camera": {name: _finite(value) for name, value in asdict(comparison.camera).items()},
+        "tile": terrain.grid.tile,
+        "edges": comparison.edges,
+        "device": str(terrain.device.info),
+        "trials": {
+            trial.name: {
+                "lod": type(trial.lod).__name__,
+                "parameters": trial.parameters,
+                "worst_sample": trial.error.where,
+                "worst_point": trial.error.point,
+                "quantities": {row.key: row.values[index] for row in made.rows},
+            }
+            for index, trial in enumerate(comparison.trials)
+        },
+        "units": {row.key: row.unit for row in made.rows if row.unit},
+        "difference": None if difference is None else asdict(difference),
+        "verdict": made.verdict,
+    }
+    return json.dumps(content, indent=2, allow_nan=False) + "\n"
+
+
+def _finite(value: Any) -> Any:
+    """Return None for an infinite number, which JSON has no name for."""
+    return None if isinstance(value, float) and value == float("inf") else value

@@ -1,0 +1,180 @@
+"""What stages hand to each other on the device: small records of arrays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..device.device import Device, DeviceArray
+from ..ground.heightmap import Heightmap
+from ..ground.relief import Relief
+
+
+@dataclass(frozen=True, eq=False)
+class DeviceGround:
+    """A heightmap, and what is laid over it.
+
+    Attributes
+    ----------
+    heights : DeviceArray, (R, C) float32
+    holes : DeviceArray, (R, C) uint8, or (1,) where data is everywhere
+        Not zero where there is no data.
+    masked : bool
+    detail : DeviceArray, (DR, DC) float32, or None
+        Added to the heights, see :class:`~terrain_lod.ground.relief.Relief`.
+    steps : (int, int)
+        Samples of the detail a cell, along x and y.
+    """
+
+    heights: DeviceArray
+    holes: DeviceArray
+    masked: bool
+    detail: DeviceArray | None
+    steps: tuple[int, int]
+
+    @classmethod
+    def upload(cls, relief: Relief, device: Device) -> DeviceGround:
+        """Copy `relief` to the device, or refuse it with the bytes wanted and had."""
+        ground, detail = relief.ground, relief.detail
+        masked = ground.mask is not None
+        holes = ground.mask if ground.mask is not None else np.zeros(1, bool)
+        rows, columns = ground.shape
+        device.require(f"a raster of {rows} x {columns}", ground.heights.nbytes, holes.nbytes)
+        return cls(
+            device.array(ground.heights),
+            device.array(holes.view(np.uint8)),
+            masked,
+            None if detail is None else device.array(detail.heights),
+            relief.steps,
+        )
+
+    @property
+    def arguments(self) -> dict[str, DeviceArray]:
+        """What every kernel that reads the ground takes of it, by the names of its arguments."""
+        detail = self.heights if self.detail is None else self.detail
+        return {"heights": self.heights, "holes": self.holes, "detail_heights": detail}
+
+    @property
+    def defines(self) -> dict[str, int]:
+        """What every kernel that reads the ground is built with; ``kernels/ground.h``."""
+        if self.detail is None:
+            return {"MASKED": int(self.masked), "DETAIL": 0}
+        (across, down), (rows, columns) = self.steps, self.detail.shape
+        return {
+            "MASKED": int(self.masked),
+            "DETAIL": 1,
+            "STEPS_ACROSS": across,
+            "STEPS_DOWN": down,
+            "DETAIL_ROWS": rows,
+            "DETAIL_COLUMNS": columns,
+        }
+
+    def updated(self, ground: Heightmap, rows: slice) -> DeviceGround:
+        """Copy `rows` of a changed heightmap over those that are there; detail stays."""
+        start, masked = rows.start * ground.shape[1], ground.mask is not None
+        holes = self.holes
+        if ground.mask is not None and self.masked:
+            holes.write(ground.mask[rows].view(np.uint8), start)
+        elif masked != self.masked:
+            whole = np.zeros(1, bool) if ground.mask is None else ground.mask
+            holes = self.device.array(whole.view(np.uint8))
+        self.heights.write(ground.heights[rows], start)
+        return replace(self, holes=holes, masked=masked)
+
+    @property
+    def device(self) -> Device:
+        return self.heights.device
+
+
+@dataclass(frozen=True, eq=False)
+class DeviceAnalysis:
+    """What the analysis found of every tile.
+
+    Attributes
+    ----------
+    planes : DeviceArray, (TR, TC, 4) float32
+        Unit normal, height at the tile's centre.
+    details : DeviceArray, (TR, TC, 4) float32
+        Deviation, minimum, maximum, samples without data.
+    """
+
+    planes: DeviceArray
+    details: DeviceArray
+
+
+@dataclass(frozen=True, eq=False)
+class DevicePatches:
+    """The hull stage's input.
+
+    Attributes
+    ----------
+    control_points : DeviceArray, (TR + 1, TC + 1, 4) float32
+        x, y, z relative to the terrain's origin and base, and 1.
+    indices : DeviceArray, (P, 12) int32
+    """
+
+    control_points: DeviceArray
+    indices: DeviceArray
+
+
+@dataclass(frozen=True, eq=False)
+class DeviceFactors:
+    """The hull stage's output.
+
+    Attributes
+    ----------
+    edge : DeviceArray, (P, 4) float32
+        u = 0, v = 0, u = 1, v = 1; all 0 where the patch is culled.
+    inside : DeviceArray, (P, 2) float32
+        Along u and v.
+    """
+
+    edge: DeviceArray
+    inside: DeviceArray
+
+
+@dataclass(frozen=True, eq=False)
+class DeviceVertices:
+    """The domain stage's output.
+
+    Attributes
+    ----------
+    positions : DeviceArray, (N, 3) float32
+        Relative to the terrain's origin and base.
+    normals : DeviceArray, (N, 3) float32
+    """
+
+    positions: DeviceArray
+    normals: DeviceArray
+
+
+@dataclass(frozen=True, eq=False)
+class DeviceLadder:
+    """Errors of every tile and every edge, in the raster's unit.
+
+    Level k is the factor 2 k + 1, or the tile's cells where it has fewer.
+
+    Attributes
+    ----------
+    tiles : DeviceArray, (P, L, L) float32
+        Largest vertical error of the tile at level pair [along v, along u], its edges matching.
+    inner : DeviceArray, (P, L, L) float32
+        The same within the lattice that other edges would leave as it is.
+    across : DeviceArray, ((TR + 1) * TC, L) float32
+        Of the edges that run along u, row by row.
+    down : DeviceArray, (TR * (TC + 1), L) float32
+        Of the edges that run along v.
+    order : DeviceArray, (L * L,) int32
+        Level pairs, L v + u, the fewest triangles first.
+    """
+
+    tiles: DeviceArray
+    inner: DeviceArray
+    across: DeviceArray
+    down: DeviceArray
+    order: DeviceArray
+
+    def measured(self) -> dict[str, DeviceArray]:
+        """Return the arrays that are measured, by their names."""
+        return {name: getattr(self, name) for name in ("tiles", "inner", "across", "down")}

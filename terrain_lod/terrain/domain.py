@@ -1,0 +1,65 @@
+"""The domain stage: points of patches become points of the ground, with its normals."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from ..ground.grid import TileGrid
+from ..tessellation.pattern import DevicePattern
+from .buffers import DeviceGround, DeviceVertices
+
+_RUNS: Final = 1024  # work-groups on a CPU, each with a run of patches
+
+
+def displace_on_device(
+    ground: DeviceGround, grid: TileGrid, pattern: DevicePattern
+) -> DeviceVertices:
+    """Put every point of `pattern` on the ground.
+
+    Heights are bilinear between samples; normals are the ground's own, from a Sobel operator in
+    world units, not those of the triangles.
+
+    Parameters
+    ----------
+    ground : DeviceGround
+    grid : TileGrid
+    pattern : DevicePattern
+        Of quads, one a tile, row by row.
+
+    Returns
+    -------
+    DeviceVertices
+
+    Raises
+    ------
+    DeviceMemoryError
+        If the device cannot hold the vertices.
+
+    Notes
+    -----
+    Zink, Pettineo, Hoxley: *Practical Rendering and Computation with Direct3D 11*, section 9.1.1,
+    step 3.
+    """
+    device = ground.device
+    count = pattern.points.shape[0]
+    device.require(f"{count} vertices", count * 12, count * 12)
+    vertices = DeviceVertices(
+        device.empty((count, 3), np.float32), device.empty((count, 3), np.float32)
+    )
+    group = device.group_size(64)
+    groups = grid.count if device.is_gpu else min(grid.count, _RUNS)
+    kernel = device.kernel("terrain/domain.cl", "domain", GROUP=group, **ground.defines)
+    kernel(
+        (groups * group,),
+        (group,),
+        grid=grid.record(),
+        **ground.arguments,
+        patches=grid.count,
+        point_offsets=pattern.point_offsets,
+        points=pattern.points,
+        positions=vertices.positions,
+        normals=vertices.normals,
+    )
+    return vertices

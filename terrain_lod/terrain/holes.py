@@ -1,0 +1,65 @@
+"""Ground without data is not covered: triangles that reach into it are left out."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from ..device.scan import exclusive_scan
+from ..ground.grid import TileGrid
+from ..tessellation.pattern import DevicePattern
+from .buffers import DeviceAnalysis, DeviceGround
+
+_GROUP: Final = 16
+
+
+def without_holes_on_device(
+    ground: DeviceGround, grid: TileGrid, analysis: DeviceAnalysis, pattern: DevicePattern
+) -> DevicePattern:
+    """Return `pattern` without the triangles that share an area with a cell that lacks a sample.
+
+    Parameters
+    ----------
+    ground : DeviceGround
+        With holes.
+    grid : TileGrid
+    analysis : DeviceAnalysis
+    pattern : DevicePattern
+        Of quads, one a tile, row by row.
+
+    Returns
+    -------
+    DevicePattern
+        The same points, fewer triangles.
+    """
+    device = ground.device
+    count = pattern.primitives.shape[0]
+    kept = device.empty(count, np.uint8)
+    counts = device.empty(grid.count, np.uint32)
+    device.kernel("terrain/holes.cl", "count_kept", **ground.defines)(
+        (grid.count,),
+        (_GROUP,),
+        grid=grid.record(),
+        **ground.arguments,
+        details=analysis.details,
+        points=pattern.points,
+        triangle_offsets=pattern.primitive_offsets,
+        triangles=pattern.primitives,
+        kept=kept,
+        counts=counts,
+    )
+    offsets, total = exclusive_scan(counts)
+    triangles = device.empty((total, 3), np.int32)
+    device.kernel("terrain/holes.cl", "copy_kept", **ground.defines)(
+        (grid.count,),
+        (_GROUP,),
+        patches=grid.count,
+        triangle_offsets=pattern.primitive_offsets,
+        triangles=pattern.primitives,
+        kept=kept,
+        kept_offsets=offsets,
+        kept_triangles=triangles,
+    )
+    return replace(pattern, primitives=triangles, primitive_offsets=offsets)

@@ -1,0 +1,143 @@
+"""The stages in a chain: watertight for any camera, and the same in every other way."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from test_promise import cameras_over
+
+import terrain_lod as tl
+from support.grounds import holed, rough
+from terrain_lod.device.layout import FIXED_ONE
+
+ORIGIN = (500_000.0, 4_000_000.0)
+GROUNDS = {
+    "rough": rough(200, 170, spacing=30.0, origin=ORIGIN),
+    "holed": holed(150, 180, spacing=(10.0, 25.0), origin=ORIGIN),
+    "canyon": tl.Heightmap(tl.sample("canyon").elevation[:400, :300], spacing=15.0, origin=ORIGIN),
+}
+LODS = [
+    tl.DistanceLod(falloff=1.7),
+    tl.CoplanarityLod(),
+    tl.CoplanarityLod(minimum=2.3, maximum=40.0, far=3000.0),
+    tl.ScreenErrorLod(2.0),
+    tl.UniformLod(4.7),
+]
+PARTITIONINGS = ["fractional_odd", "fractional_even", "integer", "pow2"]
+
+
+def assert_edges_are_bit_equal(mesh: tl.Mesh, partitioning: str) -> None:
+    """Assert that patches which share an edge have the same vertices on it, to the bit."""
+    patches = mesh.patches
+    rows, columns = patches.shape
+    drawn = patches.drawn.reshape(rows, columns)
+    # the same factors give the same points, and u and v say which of them are on an edge
+    pattern = tl.tessellate(
+        "quad", patches.edge_factors, patches.inside_factors, partitioning=partitioning
+    )
+
+    def on_edge(patch: int, axis: int, at: int) -> set[bytes]:
+        points = slice(*pattern.point_offsets[patch : patch + 2])
+        there = pattern.points[points, axis] == at
+        return {vertex.tobytes() for vertex in mesh.vertices[points][there]}
+
+    for row, column in np.argwhere(drawn):
+        patch = row * columns + column
+        if column + 1 < columns and drawn[row, column + 1]:
+            assert on_edge(patch, 0, FIXED_ONE) == on_edge(patch + 1, 0, 0)
+        if row + 1 < rows and drawn[row + 1, column]:
+            assert on_edge(patch, 1, FIXED_ONE) == on_edge(patch + columns, 1, 0)
+
+
+@pytest.mark.parametrize("name", GROUNDS)
+def test_no_cracks_in_two_hundred_cameras(name: str) -> None:
+    ground = GROUNDS[name]
+    terrains = [tl.Terrain(ground, tile=tile) for tile in (15, 7, 31, 10)]
+    culled = 0
+    for index, camera in enumerate(cameras_over(ground, 200)):
+        partitioning = PARTITIONINGS[index // 5 % 4]
+        mesh = terrains[index % 4].mesh(
+            camera,
+            lod=LODS[index % 5],
+            edges=("min", "max")[index % 2],
+            partitioning=partitioning,
+        )
+        # just above an even number Direct3D's fractional_even folds triangles by 1/65536: closed
+        # all the same, edge by edge, but no longer a surface seen from above
+        if partitioning == "fractional_even":
+            assert_edges_are_bit_equal(mesh, partitioning)
+        else:
+            report = tl.crack_report(mesh)
+            assert not report, f"camera {index}: {report}"
+        culled += mesh.patches.culled_count
+        if index % 20 == 0:
+            assert_edges_are_bit_equal(mesh, partitioning)
+    assert culled > 0
+
+
+def test_patches_without_data_are_not_meshed() -> None:
+    ground = GROUNDS["holed"]
+    mesh = tl.Terrain(ground).mesh(lod=tl.UniformLod(15))
+    assert not mesh.patches.drawn[0]
+    error = tl.vertical_error(mesh, ground)
+    assert error.maximum == 0
+    # uncovered are only samples that no whole cell touches
+    valid = ground.valid
+    cell = valid[:-1, :-1] & valid[1:, :-1] & valid[:-1, 1:] & valid[1:, 1:]
+    reached = np.zeros_like(valid)
+    for down in (0, 1):
+        for across in (0, 1):
+            reached[down : down + cell.shape[0], across : across + cell.shape[1]] |= cell
+    assert error.uncovered == np.count_nonzero(valid & ~reached)
+
+
+def test_the_same_question_has_the_same_answer() -> None:
+    terrain, camera = tl.Terrain(GROUNDS["rough"]), cameras_over(GROUNDS["rough"], 1)[0]
+    first, second = terrain.mesh(camera), terrain.mesh(camera)
+    np.testing.assert_array_equal(first.vertices, second.vertices)
+    np.testing.assert_array_equal(first.triangles, second.triangles)
+
+
+def test_coplanarity_saves_triangles_and_has_the_smaller_error_for_as_many() -> None:
+    # figures 9.22 and 9.23: 32,500 triangles become 22,232
+    ground = tl.sample("islands")
+    terrain, camera = tl.Terrain(ground), tl.default_camera(ground)
+    naive = terrain.mesh(camera, lod=tl.DistanceLod())
+    clever = terrain.mesh(camera, lod=tl.CoplanarityLod())
+    assert len(clever.triangles) < 0.7 * len(naive.triangles)
+    low, high = 1.0, 15.0
+    for _ in range(14):
+        middle = (low + high) / 2
+        equal = terrain.mesh(camera, lod=tl.DistanceLod(maximum=middle))
+        low, high = (
+            (middle, high) if len(equal.triangles) < len(clever.triangles) else (low, middle)
+        )
+    assert tl.vertical_error(clever, ground).rms < tl.vertical_error(equal, ground).rms
+
+
+@pytest.mark.parametrize("shape", [(2, 2), (2, 50), (50, 2), (16, 16), (17, 17)])
+def test_small_rasters(shape: tuple[int, int]) -> None:
+    ground = rough(*shape)
+    mesh = tl.Terrain(ground).mesh(lod=tl.UniformLod(15))
+    assert tl.vertical_error(mesh, ground).maximum == 0
+    assert not tl.crack_report(mesh)
+
+
+def test_a_raster_larger_than_the_device_is_refused_with_both_numbers() -> None:
+    ground = rough(30, 30)
+    device = tl.Device.open()
+    object.__setattr__(ground, "heights", np.broadcast_to(np.float32(0), (10**6, 10**6)))
+    with pytest.raises(tl.DeviceMemoryError, match=r"40000000000\d\d bytes.*has .* bytes"):
+        tl.Terrain(ground)
+    assert device.allocated < device.info.memory
+
+
+@pytest.mark.parametrize("tile", [0, 64, 2.5])
+def test_wrong_tile(tile: float) -> None:
+    with pytest.raises(tl.InputError, match="from 1 to 63 for tile"):
+        tl.Terrain(rough(), tile=tile)
+
+
+def test_unknown_partitioning_lists_what_exists() -> None:
+    with pytest.raises(tl.InputError, match="fractional_odd"):
+        tl.Terrain(rough()).mesh(lod=tl.UniformLod(3), partitioning="odd")
