@@ -26,7 +26,7 @@ import numpy as np
 
 import terrain_lod as tl
 from terrain_lod.camera.path import flyover
-from terrain_lod.report.compare.peers import PEERS
+from terrain_lod.reports.compare.peers import PEERS
 from terrain_lod.terrain.ladder import ladder_on_device
 
 TILES = (7, 15, 31, 63)

@@ -27,7 +27,8 @@ from .curved.patch_factors import (
 )
 from .curved.smooth import pn_triangles
 from .curved.surfaces import surface
-from .device.device import Device, devices
+from .device.device import Device
+from .device.drivers import devices
 from .errors import (
     DeviceError,
     DeviceMemoryError,

@@ -1,4 +1,4 @@
-"""Who may know whom: the imports of the package against the rooms it is built of."""
+"""Who may know whom: the imports of the package against its rooms, which are its folders."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import ast
 import subprocess
 import sys
 from collections.abc import Iterator
-from fnmatch import fnmatchcase
 from pathlib import Path
 
 import pytest
@@ -15,90 +14,57 @@ import terrain_lod
 
 PACKAGE = Path(terrain_lod.__file__).parent
 
-# room: its modules, and the rooms whose modules they may import besides their own
+# from the ground floor up: a room, and the rooms below that it may import besides its own
 ROOMS = {
-    # numbers, checks and frozen objects: they know nothing above them
-    "values": (
-        "errors arguments layout factors grid heightmap relief camera lod pattern mesh queries "
-        "files files.degrees opencl opencl.device_info opencl.parameters opencl.timeline drawing "
-        "drawing.viewpoint drawing.colours measure measure.soundness measure.open_edges "
-        "viewer.camera_path drawing.drape curved curved.patch_factors curved.curved_mesh "
-        "curved.adjacency curved.shape_numbers",
-        "",
-    ),
-    # ground, patches and meshes from files and to files; what can be known of a mesh alone
-    "files": ("files.loading files.readers* files.samples files.bpt files.ladders", "values"),
-    "meshes": (
-        "files.export files.glb files.ply files.mesh_* measure.opposed_edges measure.cracks "
-        "curved.creases",
-        "values",
-    ),
-    # the stages again in float64, for tests and the doctor
-    "reference": ("reference*", "values"),
-    # OpenCL behind four names, what travels on it, and sums that any stage needs
-    "device": (
-        "device opencl.sources opencl.linker opencl.elf_linker buffers scan pattern_room "
-        "curved.queues",
-        "values",
-    ),
-    # arrows of the diagram in terrain.py, and their like for surfaces; they do not know each other
-    "stages": (
-        "analysis ladder hull selection tessellator domain holes queries_ground weights "
-        "curved.semi_uniform curved.pn",
-        "values device",
-    ),
-    # put stages one after the other
-    "chains": (
-        "terrain promise curved.patched_mesh curved.smooth curved.amplify curved.displaced* "
-        "curved.decals curved.bezier curved.surfaces curved.curves curved.uniform_quads",
-        "values files meshes device stages",
-    ),
-    # take a mesh to a number or a picture
-    "sinks": (
-        "measure.error measure.screen_error queries_mesh accessor notebook drawing.graphics "
-        "drawing.render drawing.pattern_*",
-        "values meshes device reference",
-    ),
-    # many meshes to a page, or to a window
-    "reports": (
-        "report* viewer viewer.* cli.demonstration",
-        "values files meshes reference device stages chains sinks",
-    ),
-    # know everything; nothing imports them
-    "commands": (
-        "cli* doctor* __main__",
-        "values files meshes reference device stages chains sinks reports",
-    ),
+    "errors": "",
+    "arguments": "errors",
+    "paths": "errors",
+    "device": "errors",
+    "ground": "errors arguments device",
+    "camera": "errors arguments device ground",
+    "tessellation": "errors arguments device",
+    "mesh": "errors device",
+    "files": "errors arguments paths ground mesh",
+    "terrain": "errors arguments paths device ground camera tessellation mesh",
+    "curved": "errors arguments device camera tessellation mesh files",
+    "reference": "device ground camera tessellation mesh terrain",
+    "measure": "errors device ground camera mesh reference",
+    "drawing": "errors arguments paths device ground camera tessellation mesh terrain",
+    "accessor": "ground mesh measure",
+    "checks": "device ground camera tessellation mesh terrain curved reference measure",
+    "viewer": """errors arguments paths device ground camera mesh files terrain curved measure
+                 drawing""",
+    "reports": """arguments paths device ground camera tessellation mesh terrain reference measure
+                  drawing""",
+    "cli": """errors arguments paths device ground camera tessellation files terrain curved measure
+              drawing viewer reports""",
+    "__main__": "cli",
 }
-# modules of one room that do not know each other
-STRANGERS = {"stages"}
-# within a function, so that a value object can offer what is written above it
+# within a function, so that a value can offer what is written above it
 LATE = {
-    ("mesh", "files.export"),
-    ("heightmap", "notebook"),
-    ("mesh", "notebook"),
-    ("terrain", "notebook"),
-    ("files.export", "measure.error"),
+    ("ground", "drawing"),
+    ("mesh", "drawing"),
+    ("mesh", "files"),
+    ("terrain", "drawing"),
+    ("files", "measure"),
 }
 # only there, so that everything else runs without them
-GUARDED = {"pyopencl": {"device"}, "rasterio": {"files.readers_geo"}}
+GUARDED = {"pyopencl": {"device"}, "rasterio": {"files.rasters.readers_geo"}}
 # nobody waits for these on import
 HEAVY = ("pyvista", "vtkmodules", "matplotlib", "rasterio", "skimage", "scipy", "rich")
-
-
-def room_of(module: str) -> str:
-    for room, (modules, _) in ROOMS.items():
-        if any(fnmatchcase(module, pattern) for pattern in modules.split()):
-            return room
-    raise AssertionError(f"{module} stands in no room: add it to ROOMS, and to ARCHITECTURE.md")
 
 
 def module_of(path: Path) -> str:
     return ".".join(path.relative_to(PACKAGE).with_suffix("").parts).removesuffix(".__init__")
 
 
-MODULES = {module_of(path): path for path in PACKAGE.rglob("*.py") if path.parent != PACKAGE}
-MODULES |= {path.stem: path for path in PACKAGE.glob("*.py") if path.stem != "__init__"}
+MODULES = {
+    module_of(path): path for path in PACKAGE.rglob("*.py") if path != PACKAGE / "__init__.py"
+}
+
+
+def room_of(module: str) -> str:
+    return module.split(".")[0]
 
 
 def imports(path: Path) -> Iterator[tuple[str, bool]]:
@@ -131,26 +97,44 @@ def imports(path: Path) -> Iterator[tuple[str, bool]]:
     yield from walk(ast.parse(path.read_text(encoding="utf-8")), late=False)
 
 
+def test_rooms_are_the_folders_and_stand_on_those_below() -> None:
+    assert set(ROOMS) == {room_of(module) for module in MODULES}
+    below: list[str] = []
+    for room, known in ROOMS.items():
+        assert set(known.split()) <= set(below), f"{room} knows a room above it"
+        below.append(room)
+
+
 @pytest.mark.parametrize("module", sorted(MODULES))
 def test_every_module_keeps_to_its_room(module: str) -> None:
     room = room_of(module)
-    allowed = {room, *ROOMS[room][1].split()}
     for name, late in imports(MODULES[module]):
         if name.startswith("."):
-            other = name[1:]
-            if other in ("", module) or (late and (module, other) in LATE):
+            other = room_of(name[1:])
+            if other == room or (late and (room, other) in LATE):
                 continue
-            assert room_of(other) in allowed, f"{module}, of the {room}, imports {other}"
-            assert room not in STRANGERS or room_of(other) != room, f"{module} knows {other}"
+            assert other in ROOMS[room].split(), f"{module} imports {name[1:]}"
         else:
             top = name.split(".")[0]
-            assert module in GUARDED.get(top, {module}), f"{module} imports {top}"
+            allowed = GUARDED.get(top, {room})
+            assert {module, room} & allowed, f"{module} imports {top}"
 
 
-def test_rooms_list_no_module_that_is_gone() -> None:
-    for modules, _ in ROOMS.values():
-        for pattern in modules.split():
-            assert any(fnmatchcase(module, pattern) for module in MODULES), pattern
+def test_no_room_is_allowed_what_it_does_not_use() -> None:
+    used: dict[str, set[str]] = {room: set() for room in ROOMS}
+    for module, path in MODULES.items():
+        used[room_of(module)] |= {room_of(name[1:]) for name, _ in imports(path) if name[0] == "."}
+    for room, known in ROOMS.items():
+        late = {other for one, other in LATE if one == room}
+        assert set(known.split()) == used[room] - {room} - late, room
+
+
+def test_packages_hold_no_code() -> None:
+    for path in PACKAGE.rglob("__init__.py"):
+        body = ast.parse(path.read_text(encoding="utf-8")).body
+        for node in body:
+            # what the package says of itself, names from its modules, and the list of them
+            assert isinstance(node, ast.Expr | ast.ImportFrom | ast.Assign), path
 
 
 def test_all_is_true_and_sorted() -> None:
@@ -169,8 +153,8 @@ def test_all_is_true_and_sorted() -> None:
 def test_importing_the_package_loads_nothing_heavy_and_lists_no_devices() -> None:
     # a driver that is listed starts threads, and does not survive a fork
     program = (
-        "import sys, terrain_lod, terrain_lod.device.device as device\n"
-        f"print([name for name in {HEAVY} if name in sys.modules], device._listing_process)"
+        "import sys, terrain_lod, terrain_lod.device.drivers as drivers\n"
+        f"print([name for name in {HEAVY} if name in sys.modules], drivers._listing_process)"
     )
     child = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert child.stdout.strip() == "[] None", child.stdout + child.stderr

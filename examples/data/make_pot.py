@@ -11,7 +11,8 @@ Computer Aided Geometric Design 7, 1990.
 from pathlib import Path
 
 import numpy as np
-from terrain_lod.files.bpt import save_bpt
+
+from terrain_lod.files.meshes.bpt import save_bpt
 
 # radius and height; each row a cubic that begins where the one before ends
 PROFILE = [

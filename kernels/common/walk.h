@@ -11,7 +11,7 @@
 #include "common/common.h"
 
 #ifndef cl_khr_fp64
-#error "queries_walk.h: needs a device with 64-bit floats"
+#error "common/walk.h: needs a device with 64-bit floats"
 #endif
 #pragma OPENCL EXTENSION cl_khr_fp64 : enable
 #pragma OPENCL FP_CONTRACT OFF

@@ -9,7 +9,7 @@
 //      0-----1-----2--+-3-----4           A strip goes on by one point at a time, outer and inner
 //                                         row in turn; half-way, after an outer one, the order is
 //   mirrored: two outer ones follow each other. So each of its 2 steps - 2 triangles is known on
-//   its own, and they are those of the tessellator (tessellator_stitch.h), in its order.
+//   its own, and they are those of the tessellator (tessellation/stitch.h), in its order.
 //
 // After the "structural subdivision levels" of a thesis on PN-triangles by geometry shader, and its
 // emitters of one border or one quad.

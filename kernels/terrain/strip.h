@@ -7,7 +7,7 @@
 //         *----*-------*---      points of the lattice's outermost line
 //         0    i      i+1
 //
-// Rows step in the order of the tessellator: tessellator_stitch.h.
+// Rows step in the order of the tessellator: tessellation/stitch.h.
 #ifndef STRIP_H
 #define STRIP_H
 

@@ -10,7 +10,7 @@
 //           .                             they go to the nearest corner of the patch
 //          / \        snapped
 //         .---.                           The first 3 * 2^level points are the boundary, walked as
-//        / \ / \        .                 tessellator_triangle.h does: u = 0 from v = 1, then v = 0,
+//        / \ / \        .                 tessellation/triangle.h does: u = 0 from v = 1, then v = 0,
 //       .---.---.      / \ / \            then w = 0. Those inside follow and stay. Triangles inside
 //      / \ / \ / \    .---.---.           come first; those at the rim, which may collapse, last.
 //     .-a-.---.-b-.   |\  / \ /|

@@ -4,14 +4,14 @@
 //   (scan)   where each patch's output begins: scan.cl
 //   fill     each point and each primitive on its own, in closed form too
 //
-//   tessellator_factors.h    what factors ask for
-//   tessellator_ruler.h      in which order points appear along an edge
-//   tessellator_division.h   where they lie
-//   tessellator_stitch.h     how two rows of points are joined
-//   tessellator_quad.h       the domains
-//   tessellator_triangle.h
-//   tessellator_isoline.h
-//   tessellator_items.h      who does what
+//   tessellation/factors.h    what factors ask for
+//   tessellation/ruler.h      in which order points appear along an edge
+//   tessellation/division.h   where they lie
+//   tessellation/stitch.h     how two rows of points are joined
+//   tessellation/quad.h       the domains
+//   tessellation/triangle.h
+//   tessellation/isoline.h
+//   tessellation/items.h      who does what
 //
 // It sees factors alone, no positions. Degenerate triangles are legal and kept.
 #include "tessellation/isoline.h"

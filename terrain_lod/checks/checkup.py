@@ -22,7 +22,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..device.device import Device, devices
+from ..device.device import Device
+from ..device.drivers import devices
 
 Array = npt.NDArray[Any]
 
@@ -44,7 +45,7 @@ class Check:
 
 
 Checks = Mapping[str, Callable[[Device], Check]]
-"""By the stem of the kernel's file."""
+"""By the kernel's file, without its ending."""
 
 
 def largest_difference(found: Array, expected: Array) -> float:
@@ -79,7 +80,7 @@ def main(arguments: list[str]) -> None:
             problem = f"{type(error).__name__}: {error}".partition("\n")[0]
             _answer(kernel=kernel, problem=problem)
         else:
-            seconds = timeline.seconds.get(kernel, math.nan)
+            seconds = timeline.seconds.get(kernel.rpartition("/")[2], math.nan)
             _answer(kernel=kernel, seconds=seconds, **asdict(check))
 
 

@@ -16,7 +16,7 @@ from ..device.device import Device
 from ..device.layout import DECAL, NET_VECTORS
 from ..mesh.mesh import Mesh
 from ..reference.curved import displaced
-from ..terrain.buffers import DeviceFactors
+from ..tessellation.factors import DeviceFactors
 from ..tessellation.pattern import DevicePattern
 from ..tessellation.tessellator import tessellate
 from .checkup import Check, largest_difference

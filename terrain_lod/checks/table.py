@@ -8,62 +8,39 @@ from __future__ import annotations
 
 from typing import Final
 
-from . import (
-    amplify as checks_amplify,
-)
-from . import (
-    displaced as checks_displaced,
-)
-from . import (
-    pn as checks_pn,
-)
-from . import (
-    promise as checks_promise,
-)
-from . import (
-    queries as checks_queries,
-)
-from . import (
-    surfaces as checks_surfaces,
-)
-from . import (
-    terrain as checks_terrain,
-)
-from . import (
-    tessellator as checks_tessellator,
-)
+from . import amplify, displaced, pn, promise, queries, surfaces, terrain, tessellator
 from .checkup import Checks
 
 CHECKS: Final[Checks] = {
-    # by the stem of the kernel's file
-    "analysis": checks_terrain.check_analysis,
-    "control_points": checks_terrain.check_control_points,
-    "hull": checks_terrain.check_hull,
-    "weights": checks_promise.check_weights,
-    "scan": checks_tessellator.check_scan,
-    "tessellator": checks_tessellator.check_tessellator,
-    "queues": checks_surfaces.check_queues,
-    "semi_uniform": checks_surfaces.check_semi_uniform,
-    "bezier": checks_surfaces.check_bezier,
-    "surface": checks_surfaces.check_surface,
-    "curve": checks_surfaces.check_curve,
-    "domain": checks_terrain.check_domain,
-    "holes": checks_terrain.check_holes,
-    "ladder": checks_promise.check_ladder,
-    "selection": checks_promise.check_selection,
-    "tile_error": checks_promise.check_tile_error,
-    "pn_hull": checks_pn.check_pn_hull,
-    "pn_edges": checks_pn.check_pn_edges,
-    "pn_patches": checks_pn.check_pn_patches,
-    "pn_domain": checks_pn.check_pn_domain,
-    "pn_blend": checks_pn.check_pn_blend,
-    "displaced": checks_pn.check_displaced,
-    "decals": checks_pn.check_decals,
-    "displaced_normals": checks_displaced.check_displaced_normals,
-    "decal_reach": checks_displaced.check_decal_reach,
-    "amplify": checks_amplify.check_amplify,
-    "vertical_error": checks_terrain.check_vertical_error,
-    "queries_ground": checks_queries.check_queries_ground,
-    "queries_mesh": checks_queries.check_queries_mesh,
-    "bandwidth": checks_tessellator.check_bandwidth,
+    # by the kernel's file, without its ending
+    "terrain/analysis": terrain.check_analysis,
+    "terrain/control_points": terrain.check_control_points,
+    "terrain/hull": terrain.check_hull,
+    "terrain/weights": promise.check_weights,
+    "common/scan": tessellator.check_scan,
+    "tessellation/tessellator": tessellator.check_tessellator,
+    "tessellation/queues": surfaces.check_queues,
+    "tessellation/semi_uniform": surfaces.check_semi_uniform,
+    "curved/bezier": surfaces.check_bezier,
+    "curved/surface": surfaces.check_surface,
+    "curved/curve": surfaces.check_curve,
+    "terrain/domain": terrain.check_domain,
+    "terrain/holes": terrain.check_holes,
+    "terrain/ladder": promise.check_ladder,
+    "terrain/selection": promise.check_selection,
+    "terrain/tile_error": promise.check_tile_error,
+    "curved/pn_hull": pn.check_pn_hull,
+    "curved/pn_edges": pn.check_pn_edges,
+    "curved/pn_patches": pn.check_pn_patches,
+    "curved/pn_domain": pn.check_pn_domain,
+    "curved/pn_blend": pn.check_pn_blend,
+    "curved/displaced": pn.check_displaced,
+    "curved/decals": pn.check_decals,
+    "curved/displaced_normals": displaced.check_displaced_normals,
+    "curved/decal_reach": displaced.check_decal_reach,
+    "curved/amplify": amplify.check_amplify,
+    "measure/vertical_error": terrain.check_vertical_error,
+    "terrain/queries": queries.check_queries_ground,
+    "mesh/surface": queries.check_queries_mesh,
+    "common/bandwidth": tessellator.check_bandwidth,
 }

@@ -16,7 +16,7 @@ from ..ground.heightmap import Heightmap
 from ..measure.cracks import crack_report
 from ..measure.error import vertical_error
 from ..paths import require_made
-from ..report.report import report
+from ..reports.report import report
 from ..terrain.lod import CoplanarityLod
 from ..terrain.terrain import Terrain
 

@@ -83,7 +83,7 @@ def _write_pair(
     detail: DetailOptions,
     terrain: TerrainOptions,
 ) -> None:
-    from ..report.report import report as write
+    from ..reports.report import report as write
 
     distance, coplanarity = detail.both()
     with progress_bar("comparing") as progress:
@@ -109,7 +109,7 @@ def _write_pair(
 def _write_comparison(
     heights: Heightmap, output: Path, terrain: TerrainOptions, views: int
 ) -> None:
-    from ..report.compare.compare import compare_all
+    from ..reports.compare.compare import compare_all
 
     with progress_bar("comparing") as progress:
         made = compare_all(
@@ -131,7 +131,7 @@ def _write_comparison(
 
 
 def _write_stability(output: Path, terrain: TerrainOptions) -> None:
-    from ..report.stability.stability import write_stability
+    from ..reports.stability.stability import write_stability
 
     with progress_bar("hard cases") as progress:
         made = write_stability(output, device=terrain.open(), progress=progress)

@@ -30,11 +30,13 @@ import numpy as np
 import numpy.typing as npt
 
 from ..arguments import one_of, whole
-from ..device.device import Device, DeviceArray, Kernel
+from ..device.arrays import DeviceArray
+from ..device.device import Device
+from ..device.kernels import Kernel
 from ..errors import InputError
 from ..mesh.mesh import Mesh
 from ..mesh.soundness import require_sound
-from ..terrain.buffers import DeviceFactors
+from ..tessellation.factors import DeviceFactors
 from ..tessellation.tessellator import tessellate_device
 from .adjacency import Adjacency
 from .pn import DevicePatchMesh, evaluate_on_device, nets_on_device

@@ -11,7 +11,7 @@ from ..device.device import Device
 from ..errors import InputError
 from ..files.meshes.bpt import as_nets, load_bpt
 from ..mesh.mesh import Mesh
-from ..terrain.buffers import DeviceVertices
+from ..mesh.vertices import DeviceVertices
 from ..tessellation.pattern import DevicePattern
 from .uniform_quads import uniform_mesh
 

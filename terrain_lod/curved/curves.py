@@ -1,6 +1,6 @@
 """Parametric curves through the isoline domain of the tessellator: helices, knots.
 
-A curve is one header, ``kernels/curve_<name>.h``, and one row of :data:`CURVES`.
+A curve is one header, ``kernels/curved/curve/<name>.h``, and one row of :data:`CURVES`.
 """
 
 from __future__ import annotations
@@ -145,7 +145,7 @@ def _evaluated(
         "curved/curve.cl",
         "curve_points",
         GROUP=group,
-        CURVE=f'"curve_{name}.h"',
+        CURVE=f'"curved/curve/{name}.h"',
         CLOSED=int(CURVES[name].closed),
         **{number.upper(): index for index, number in enumerate(shape)},
     )

@@ -12,10 +12,11 @@ import numpy.typing as npt
 from ..arguments import finite, one_of, positive
 from ..camera.camera import Point
 from ..device import layout
-from ..device.device import Device, DeviceArray
+from ..device.arrays import DeviceArray
+from ..device.device import Device
 from ..errors import InputError
 from ..mesh.mesh import Mesh
-from ..terrain.buffers import DeviceFactors
+from ..tessellation.factors import DeviceFactors
 from ..tessellation.pattern import DevicePattern
 from .displaced import moved_mesh
 from .displaced_maps import checked_map

@@ -11,11 +11,12 @@ import numpy.typing as npt
 from ..arguments import finite, one_of
 from ..camera.camera import Camera
 from ..device import layout
-from ..device.device import Device, DeviceArray
+from ..device.arrays import DeviceArray
+from ..device.device import Device
 from ..device.timeline import Timeline
 from ..mesh.mesh import Mesh
 from ..mesh.open_edges import weld
-from ..terrain.buffers import DeviceFactors
+from ..tessellation.factors import DeviceFactors
 from ..tessellation.pattern import DevicePattern
 from ..tessellation.tessellator import tessellate_device
 from .adjacency import EDGE_ENDS, Adjacency

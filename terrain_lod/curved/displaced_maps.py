@@ -74,7 +74,7 @@ def variation_factors(
 
 
 def map_heights(heights: npt.NDArray[np.float32], textures: Array) -> Array:
-    """Return the map at texture coordinates (..., 2), as ``kernels/displaced.cl`` finds it."""
+    """Return the map at texture coordinates (..., 2), as ``curved/displaced.cl`` finds it."""
     rows, columns = heights.shape
     x = textures[..., 0] % 1.0 * columns - 0.5
     y = (1.0 - textures[..., 1] % 1.0) * rows - 0.5

@@ -7,10 +7,10 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from ..device.device import DeviceArray
+from ..device.arrays import DeviceArray
 from ..device.layout import PARTITIONINGS
 from ..mesh.open_edges import weld
-from ..terrain.buffers import DeviceFactors
+from ..tessellation.factors import DeviceFactors
 from ..tessellation.pattern import DevicePattern
 from .adjacency import Adjacency
 from .pn import DevicePatchMesh

@@ -12,8 +12,10 @@ import numpy as np
 import numpy.typing as npt
 
 from ..device import layout
-from ..device.device import Device, DeviceArray
-from ..terrain.buffers import DeviceFactors, DeviceVertices
+from ..device.arrays import DeviceArray
+from ..device.device import Device
+from ..mesh.vertices import DeviceVertices
+from ..tessellation.factors import DeviceFactors
 from ..tessellation.pattern import DevicePattern
 from .adjacency import Adjacency
 from .patch_factors import EdgeFactor
@@ -69,8 +71,8 @@ class DevicePatchMesh:
 def nets_on_device(mesh: DevicePatchMesh) -> DeviceArray:
     """Return the control net of every patch: ten vectors for positions and six for normals.
 
-    Their order and meaning stand in ``kernels/pn_net.h``. Two patches at an edge find the same bits
-    for what lies on it.
+    Their order and meaning stand in ``kernels/curved/pn_net.h``. Two patches at an edge find the
+    same bits for what lies on it.
 
     Returns
     -------
@@ -216,7 +218,7 @@ def _vertices(
     )
     group = device.group_size(32)
     groups = patches if device.is_gpu else min(patches, _RUNS)
-    device.kernel(f"{stage}.cl", stage, GROUP=group, **defines)(
+    device.kernel(f"curved/{stage}.cl", stage, GROUP=group, **defines)(
         (groups * group,),
         (group,),
         patches=patches,
@@ -279,7 +281,7 @@ def blend_on_device(
     """Put every point of a semi-uniform `pattern` on its patch, or on its way there.
 
     Points that a level has and the next lower one has not, come out of that one by the fraction of
-    the level, see ``kernels/pn_blend.cl``.
+    the level, see ``kernels/curved/pn_blend.cl``.
 
     Parameters
     ----------

@@ -19,11 +19,13 @@ import numpy.typing as npt
 from ..arguments import finite, one_of
 from ..camera.camera import Camera
 from ..device import layout
-from ..device.device import Device, DeviceArray
+from ..device.arrays import DeviceArray
+from ..device.device import Device
 from ..device.timeline import Timeline
 from ..errors import InputError
 from ..mesh.mesh import Mesh
-from ..terrain.buffers import DeviceFactors, DeviceVertices
+from ..mesh.vertices import DeviceVertices
+from ..tessellation.factors import DeviceFactors
 from ..tessellation.pattern import DevicePattern
 from ..tessellation.semi_uniform import semi_uniform_device
 from ..tessellation.tessellator import tessellate_device

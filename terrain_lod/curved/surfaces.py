@@ -1,6 +1,6 @@
 """Parametric surfaces through the tessellator: spheres, tori, one-sided strips, shells.
 
-A surface is one header, ``kernels/surface_<name>.h``, and one row of :data:`SURFACES`.
+A surface is one header, ``kernels/curved/surface/<name>.h``, and one row of :data:`SURFACES`.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from ..arguments import one_of, whole
 from ..device.device import Device
 from ..errors import InputError
 from ..mesh.mesh import Mesh
-from ..terrain.buffers import DeviceVertices
+from ..mesh.vertices import DeviceVertices
 from ..tessellation.pattern import DevicePattern
 from .shape_numbers import Number, shape_numbers
 from .uniform_quads import Evaluate, uniform_mesh
@@ -138,7 +138,7 @@ def _evaluation(
             "curved/surface.cl",
             "surface_points",
             GROUP=group,
-            SURFACE=f'"surface_{name}.h"',
+            SURFACE=f'"curved/surface/{name}.h"',
             CLOSED_U=int("u" in closed),
             CLOSED_V=int("v" in closed),
             TWISTED=int(SURFACES[name].twisted),

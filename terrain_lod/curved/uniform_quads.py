@@ -11,7 +11,7 @@ from ..arguments import one_of, positive
 from ..device.device import Device
 from ..device.layout import PARTITIONINGS
 from ..mesh.mesh import Mesh
-from ..terrain.buffers import DeviceVertices
+from ..mesh.vertices import DeviceVertices
 from ..tessellation.pattern import DevicePattern
 from ..tessellation.tessellator import tessellate_device
 

@@ -1,0 +1,1 @@
+"""OpenCL: arrays, kernels, memory, time."""

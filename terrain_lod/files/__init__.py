@@ -1,0 +1,1 @@
+"""Ground and meshes, in and out."""

@@ -1,0 +1,1 @@
+"""Heights, and how they are cut."""

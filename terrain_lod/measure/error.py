@@ -9,7 +9,9 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from ..device.device import Device, DeviceArray, Kernel
+from ..device.arrays import DeviceArray
+from ..device.device import Device
+from ..device.kernels import Kernel
 from ..ground.heightmap import Heightmap
 from ..mesh.mesh import Mesh
 from ..mesh.soundness import require_sound

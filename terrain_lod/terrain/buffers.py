@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..device.device import Device, DeviceArray
+from ..device.arrays import DeviceArray
+from ..device.device import Device
 from ..ground.heightmap import Heightmap
 from ..ground.relief import Relief
 
@@ -57,7 +58,7 @@ class DeviceGround:
 
     @property
     def defines(self) -> dict[str, int]:
-        """What every kernel that reads the ground is built with; ``kernels/ground.h``."""
+        """What every kernel that reads the ground is built with; ``kernels/terrain/ground.h``."""
         if self.detail is None:
             return {"MASKED": int(self.masked), "DETAIL": 0}
         (across, down), (rows, columns) = self.steps, self.detail.shape
@@ -116,37 +117,6 @@ class DevicePatches:
 
     control_points: DeviceArray
     indices: DeviceArray
-
-
-@dataclass(frozen=True, eq=False)
-class DeviceFactors:
-    """The hull stage's output.
-
-    Attributes
-    ----------
-    edge : DeviceArray, (P, 4) float32
-        u = 0, v = 0, u = 1, v = 1; all 0 where the patch is culled.
-    inside : DeviceArray, (P, 2) float32
-        Along u and v.
-    """
-
-    edge: DeviceArray
-    inside: DeviceArray
-
-
-@dataclass(frozen=True, eq=False)
-class DeviceVertices:
-    """The domain stage's output.
-
-    Attributes
-    ----------
-    positions : DeviceArray, (N, 3) float32
-        Relative to the terrain's origin and base.
-    normals : DeviceArray, (N, 3) float32
-    """
-
-    positions: DeviceArray
-    normals: DeviceArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,8 +7,9 @@ from typing import Final
 import numpy as np
 
 from ..ground.grid import TileGrid
+from ..mesh.vertices import DeviceVertices
 from ..tessellation.pattern import DevicePattern
-from .buffers import DeviceGround, DeviceVertices
+from .buffers import DeviceGround
 
 _RUNS: Final = 1024  # work-groups on a CPU, each with a run of patches
 

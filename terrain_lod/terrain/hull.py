@@ -9,14 +9,10 @@ import numpy.typing as npt
 
 from ..arguments import one_of
 from ..device import layout
-from ..device.device import DeviceArray
+from ..device.arrays import DeviceArray
 from ..ground.grid import TileGrid
-from .buffers import (
-    DeviceAnalysis,
-    DeviceFactors,
-    DeviceGround,
-    DevicePatches,
-)
+from ..tessellation.factors import DeviceFactors
+from .buffers import DeviceAnalysis, DeviceGround, DevicePatches
 from .lod import Lod, Scene
 
 # how an edge's factor comes from the two tiles' levels of detail

@@ -15,17 +15,13 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from ..device.device import DeviceArray
+from ..device.arrays import DeviceArray
 from ..errors import InputError
 from ..ground.grid import TileGrid
 from ..mesh.mesh import Achieved
+from ..tessellation.factors import DeviceFactors
 from ..tessellation.pattern import DevicePattern
-from .buffers import (
-    DeviceAnalysis,
-    DeviceFactors,
-    DeviceGround,
-    DeviceLadder,
-)
+from .buffers import DeviceAnalysis, DeviceGround, DeviceLadder
 from .lod import PromiseLod
 from .selection import Selection
 

@@ -10,15 +10,12 @@ import numpy.typing as npt
 
 from ..arguments import one_of
 from ..device import layout
-from ..device.device import DeviceArray, Kernel
+from ..device.arrays import DeviceArray
+from ..device.kernels import Kernel
 from ..ground.grid import TileGrid
+from ..tessellation.factors import DeviceFactors
 from ..tessellation.pattern import DevicePattern
-from .buffers import (
-    DeviceAnalysis,
-    DeviceFactors,
-    DeviceGround,
-    DeviceLadder,
-)
+from .buffers import DeviceAnalysis, DeviceGround, DeviceLadder
 
 # how an edge's factor is chosen: by its own error, or from the two tiles' factors
 EDGE_RULES: Final = {"edge": 0, "min": 1, "max": 2}

@@ -20,7 +20,8 @@ import numpy.typing as npt
 from ..arguments import one_of
 from ..camera.camera import Camera
 from ..device import layout
-from ..device.device import Device, DeviceArray
+from ..device.arrays import DeviceArray
+from ..device.device import Device
 from ..device.timeline import Timeline
 from ..errors import InputError
 from ..ground.grid import TileGrid
@@ -28,15 +29,12 @@ from ..ground.heightmap import Heightmap
 from ..ground.relief import Relief
 from ..mesh.hits import Hits, checked_points, checked_rays
 from ..mesh.mesh import Achieved, Mesh, Patches
+from ..mesh.vertices import DeviceVertices
+from ..tessellation.factors import DeviceFactors
 from ..tessellation.pattern import DevicePattern
 from ..tessellation.tessellator import tessellate_device
 from .analysis import TileAnalysis, analyse_on_device, analyse_tiles
-from .buffers import (
-    DeviceFactors,
-    DeviceGround,
-    DeviceLadder,
-    DeviceVertices,
-)
+from .buffers import DeviceGround, DeviceLadder
 from .domain import displace_on_device
 from .holes import without_holes_on_device
 from .hull import displace_corners, hull_on_device, patches_on_device

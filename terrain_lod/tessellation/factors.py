@@ -29,7 +29,8 @@ Drivers take pow2 for integer and leave the rounding to the hull shader (Microso
 
 from __future__ import annotations
 
-from typing import Final, NamedTuple
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -37,6 +38,9 @@ import numpy.typing as npt
 from ..arguments import one_of
 from ..device.layout import FIXED_ONE, PARTITIONINGS
 from ..errors import InputError
+
+if TYPE_CHECKING:
+    from ..device.arrays import DeviceArray
 
 Factors = npt.NDArray[np.float32]
 Counts = npt.NDArray[np.int64]
@@ -55,6 +59,22 @@ DOMAINS: Final = {
     "triangle": Domain(edges=3, insides=1, corners=3),
     "isoline": Domain(edges=2, insides=0, corners=2),
 }
+
+
+@dataclass(frozen=True, eq=False)
+class DeviceFactors:
+    """Factors of P quads on the device: what a hull stage hands to the tessellator.
+
+    Attributes
+    ----------
+    edge : DeviceArray, (P, 4) float32
+        u = 0, v = 0, u = 1, v = 1; all 0 where the patch is culled.
+    inside : DeviceArray, (P, 2) float32
+        Along u and v.
+    """
+
+    edge: DeviceArray
+    inside: DeviceArray
 
 
 def checked_factors(

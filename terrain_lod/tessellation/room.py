@@ -6,7 +6,8 @@ from typing import Final
 
 import numpy as np
 
-from ..device.device import Device, DeviceArray
+from ..device.arrays import DeviceArray
+from ..device.device import Device
 from ..errors import InputError
 
 _LARGEST_INDEX_COUNT: Final = 2**31

@@ -5,7 +5,7 @@ levels an edge: level n is 2ⁿ segments. A patch is tessellated as finely as it
 points on its coarser edges are moved onto those of the edge's level.
 
 After Dyken, Reimers, Seland: *Semi-uniform adaptive patch tessellation*, Computer Graphics Forum
-28(8), 2009, but for where points on coarser edges go: ``kernels/dyadic_edge.h``.
+28(8), 2009, but for where points on coarser edges go: ``kernels/tessellation/dyadic_edge.h``.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ import numpy as np
 import numpy.typing as npt
 
 from ..arguments import one_of, whole
-from ..device.device import Device, DeviceArray
+from ..device.arrays import DeviceArray
+from ..device.device import Device
 from ..device.layout import FIXED_BITS
 from ..device.scan import exclusive_scan
 from ..errors import InputError

@@ -11,7 +11,8 @@ from typing import Final
 import numpy.typing as npt
 
 from ..arguments import one_of
-from ..device.device import Device, DeviceArray
+from ..device.arrays import DeviceArray
+from ..device.device import Device
 from ..device.layout import PARTITIONINGS
 from ..device.scan import exclusive_scan
 from .factors import DOMAINS, checked_factors, counts

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import logging
 import sys
+from pathlib import Path
 
 import pytest
 
 from terrain_lod.checks.table import CHECKS
 from terrain_lod.cli import doctor
 from terrain_lod.cli.doctor import Finding, examine, run_doctor
-from terrain_lod.device.device import devices
+from terrain_lod.device.drivers import devices
 from terrain_lod.device.sources import KERNELS
 
 BAD = "support.doctor_checks"
@@ -28,7 +29,8 @@ def verdicts(*kernels: str, checks: str = BAD, timeout: float = 100.0) -> list[s
 
 
 def test_every_kernel_file_has_a_check() -> None:
-    files = {file.name.removesuffix(".cl") for file in KERNELS.iterdir() if file.name[-3:] == ".cl"}
+    root = Path(str(KERNELS))
+    files = {file.relative_to(root).with_suffix("").as_posix() for file in root.rglob("*.cl")}
     assert files == set(CHECKS)
 
 

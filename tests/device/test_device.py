@@ -13,12 +13,8 @@ import numpy as np
 import pytest
 
 from terrain_lod.device import layout, sources
-from terrain_lod.device.device import (
-    DEVICE_VARIABLE,
-    PYOPENCL_VARIABLE,
-    Device,
-    devices,
-)
+from terrain_lod.device.device import DEVICE_VARIABLE, Device
+from terrain_lod.device.drivers import PYOPENCL_VARIABLE, devices
 from terrain_lod.device.info import DeviceInfo, find_device
 from terrain_lod.errors import DeviceError, DeviceMemoryError, InputError
 
@@ -121,7 +117,7 @@ def test_no_driver_is_one_line() -> None:
 
 FORK = """
 import os
-from terrain_lod.device import Device
+from terrain_lod.device.device import Device
 Device.open()
 if os.fork() == 0:
     try:

@@ -13,7 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from terrain_lod.device.device import POCL, devices
+from terrain_lod.device.device import POCL
+from terrain_lod.device.drivers import devices
 from terrain_lod.device.linker import elf as elf_linker
 
 # constants in tables, calls of memset and memcpy, doubles, a barrier
@@ -46,8 +47,8 @@ PROGRAM = """
 import os, sys
 from pathlib import Path
 import numpy as np
-from terrain_lod.opencl import sources
-from terrain_lod.device import Device
+from terrain_lod.device import sources
+from terrain_lod.device.device import Device
 
 sources.KERNELS = Path(sys.argv[1])
 device = Device.open("portable")

@@ -110,8 +110,8 @@ sys.path.insert(0, {tests!r})
 import numpy as np
 from support.drawn_meshes import grid_mesh
 from terrain_lod.errors import FileError
-from terrain_lod.files.export import save
-from terrain_lod.heightmap import Heightmap
+from terrain_lod.files.meshes.export import save
+from terrain_lod.ground.heightmap import Heightmap
 mesh = grid_mesh(Heightmap(np.zeros((60, 60))))
 save(mesh, {warm_up!r})
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
@@ -131,7 +131,9 @@ def test_a_full_disk_leaves_nothing_behind(tmp_path, ending):
     path = folder / f"ground{ending}"
     path.write_text("what was there")
     code = FULL_DISK.format(
-        tests=str(Path(__file__).parent), path=str(path), warm_up=str(tmp_path / f"warm{ending}")
+        tests=str(Path(__file__).parents[1]),
+        path=str(path),
+        warm_up=str(tmp_path / f"warm{ending}"),
     )
     child = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert child.stdout.startswith(f"cannot write {path}: ")

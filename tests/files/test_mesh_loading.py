@@ -183,7 +183,7 @@ TRUNCATED = """
 import sys
 from pathlib import Path
 from terrain_lod.errors import TerrainError
-from terrain_lod.files.mesh_loading import load_mesh
+from terrain_lod.files.meshes.loading import load_mesh
 path = Path(sys.argv[1])
 content = path.read_bytes()
 for length in (0, 3, 100, len(content) // 2, len(content) * 3 // 4):

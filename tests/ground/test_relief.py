@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from test_update import assert_as_made_anew, everything
 
 import terrain_lod as tl
+from support.anew import assert_as_made_anew, everything
 from support.grounds import holed, rough
 from terrain_lod.ground.grid import TileGrid
 from terrain_lod.ground.relief import Relief

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from test_promise import cameras_over
 
 import terrain_lod as tl
+from support.cameras import cameras_over
 from support.grounds import holed, rough
 from terrain_lod.reference.terrain import analysis, weights
 from terrain_lod.terrain.weights import COLUMNS

@@ -17,7 +17,7 @@
 #include "curved/patch_edge.h"
 
 #if !defined(FACTOR_PIXELS) || !defined(FACTOR_MINIMUM) || !defined(FACTOR_MAXIMUM)
-#error "factor_curvature.h: one of pixels, minimum, maximum is missing"
+#error "curved/factor/curvature.h: one of pixels, minimum, maximum is missing"
 #endif
 
 // the factor between n and n + 2 whose longest segment is 1 / segments

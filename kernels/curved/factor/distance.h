@@ -5,7 +5,7 @@
 
 #if !defined(FACTOR_NEAR) || !defined(FACTOR_FAR) || !defined(FACTOR_MINIMUM) \
     || !defined(FACTOR_MAXIMUM)
-#error "factor_distance.h: one of near, far, minimum, maximum is missing"
+#error "curved/factor/distance.h: one of near, far, minimum, maximum is missing"
 #endif
 
 inline float edge_factor(const CurvedEdge edge, const View view, __global const float *parameters)

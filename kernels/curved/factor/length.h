@@ -3,7 +3,7 @@
 #include "curved/patch_edge.h"
 
 #if !defined(FACTOR_PIXELS) || !defined(FACTOR_MINIMUM) || !defined(FACTOR_MAXIMUM)
-#error "factor_length.h: one of pixels, minimum, maximum is missing"
+#error "curved/factor/length.h: one of pixels, minimum, maximum is missing"
 #endif
 
 inline float edge_factor(const CurvedEdge edge, const View view, __global const float *parameters)

@@ -3,7 +3,7 @@
 #include "curved/patch_edge.h"
 
 #if !defined(FACTOR_MINIMUM) || !defined(FACTOR_MAXIMUM)
-#error "factor_orientation.h: minimum or maximum is missing"
+#error "curved/factor/orientation.h: minimum or maximum is missing"
 #endif
 
 inline float edge_factor(const CurvedEdge edge, const View view, __global const float *parameters)

@@ -11,7 +11,7 @@
 #include "curved/patch_edge.h"
 
 #if !defined(FACTOR_COSINE) || !defined(FACTOR_MINIMUM) || !defined(FACTOR_MAXIMUM)
-#error "factor_silhouette.h: one of cosine, minimum, maximum is missing"
+#error "curved/factor/silhouette.h: one of cosine, minimum, maximum is missing"
 #endif
 
 inline float silhouetteness(const CurvedEdge edge, const View view, float cosine)

@@ -2,7 +2,7 @@
 #include "curved/patch_edge.h"
 
 #ifndef FACTOR_FACTOR
-#error "factor_uniform.h: parameter factor is missing"
+#error "curved/factor/uniform.h: parameter factor is missing"
 #endif
 
 inline float edge_factor(const CurvedEdge edge, const View view, __global const float *parameters)

@@ -11,7 +11,7 @@
 #include "terrain/patch.h"
 
 #if !defined(LOD_PIXELS) || !defined(LOD_MINIMUM) || !defined(LOD_MAXIMUM)
-#error "lod_area.h: pixels, minimum or maximum is missing"
+#error "terrain/lod/area.h: pixels, minimum or maximum is missing"
 #endif
 
 inline float2 in_picture(const View view, float x, float y, float z)

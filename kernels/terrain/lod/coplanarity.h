@@ -16,7 +16,7 @@
 
 #if !defined(LOD_NEAR) || !defined(LOD_FAR) || !defined(LOD_MINIMUM) || !defined(LOD_MAXIMUM) \
     || !defined(LOD_FULL_DEVIATION) || !defined(LOD_FLAT_WEIGHT)
-#error "lod_coplanarity.h: near, far, minimum, maximum, full_deviation or flat_weight is missing"
+#error "terrain/lod/coplanarity.h: near, far, minimum, maximum, full_deviation or flat_weight is missing"
 #endif
 
 inline float patch_lod(const Patch patch, const View view, __global const float *parameters)

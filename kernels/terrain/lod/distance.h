@@ -11,7 +11,7 @@
 
 #if !defined(LOD_NEAR) || !defined(LOD_FAR) || !defined(LOD_MINIMUM) || !defined(LOD_MAXIMUM) \
     || !defined(LOD_FALLOFF)
-#error "lod_distance.h: one of near, far, minimum, maximum, falloff is missing"
+#error "terrain/lod/distance.h: one of near, far, minimum, maximum, falloff is missing"
 #endif
 
 inline float patch_lod(const Patch patch, const View view, __global const float *parameters)

@@ -2,7 +2,7 @@
 #include "terrain/patch.h"
 
 #ifndef LOD_FACTOR
-#error "lod_uniform.h: parameter factor is missing"
+#error "terrain/lod/uniform.h: parameter factor is missing"
 #endif
 
 inline float patch_lod(const Patch patch, const View view, __global const float *parameters)

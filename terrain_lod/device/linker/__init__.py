@@ -1,0 +1,1 @@
+"""A small linker, for PoCL alone."""

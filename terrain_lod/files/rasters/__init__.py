@@ -1,0 +1,1 @@
+"""Ground read from raster files."""

@@ -1,0 +1,1 @@
+"""Curved patches in float64."""

@@ -1,4 +1,4 @@
-"""Many triangles of one in float64: what ``kernels/amplify.cl`` computes, by walking the rings."""
+"""Many triangles of one in float64: what ``curved/amplify.cl`` computes, by walking the rings."""
 
 from __future__ import annotations
 

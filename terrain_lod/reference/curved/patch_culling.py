@@ -1,4 +1,4 @@
-"""Which PN-triangles cannot be seen, in float64: what ``kernels/pn_cull.h`` decides."""
+"""Which PN-triangles cannot be seen, in float64: what ``curved/pn_cull.h`` decides."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Curved PN-triangles in float64: what ``kernels/pn_*.cl`` compute, by the papers' own formulas.
+"""Curved PN-triangles in float64: what ``pn_*.cl`` compute, by the papers' own formulas.
 
 Control points and their places are written as b_ijk with i + j + k = 3, as in Vlachos et al. 2001;
 the kernels keep the same surface as differences from the plane triangle.

@@ -1,4 +1,4 @@
-"""Semi-uniform patterns between whole levels in float64: what ``kernels/pn_blend.cl`` computes."""
+"""Semi-uniform patterns between whole levels in float64: what ``curved/pn_blend.cl`` computes."""
 
 from __future__ import annotations
 

@@ -1,0 +1,1 @@
+"""Ground with detail in float64."""

@@ -1,4 +1,4 @@
-"""Ground and detail in one, in float64: what kernels find that include ``kernels/ground.h``."""
+"""Ground and detail in one, in float64: what kernels find that include ``terrain/ground.h``."""
 
 from __future__ import annotations
 

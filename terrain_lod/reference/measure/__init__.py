@@ -1,0 +1,1 @@
+"""Errors of meshes in float64."""

@@ -1,4 +1,4 @@
-"""Vertical error in float64 NumPy: what ``kernels/vertical_error.cl`` computes, by other means.
+"""Vertical error in float64 NumPy: what ``measure/vertical_error.cl`` computes, by other means.
 
 The kernel cuts triangles along rows; here every sample in a triangle's bounding box gets its
 barycentric weights.

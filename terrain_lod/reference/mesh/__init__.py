@@ -1,0 +1,1 @@
+"""Questions to meshes in float64."""

@@ -1,0 +1,1 @@
+"""Stages of terrain in float64."""

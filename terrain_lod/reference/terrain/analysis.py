@@ -1,4 +1,4 @@
-"""Plane, deviation and range of every tile, in float64: what ``kernels/analysis.cl`` computes."""
+"""Plane, deviation and range of every tile, in float64: what ``terrain/analysis.cl`` computes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Positions and normals of a pattern's points, in float64: what ``kernels/domain.cl`` computes."""
+"""Positions and normals of a pattern's points, in float64: what ``terrain/domain.cl`` computes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which triangles stay where samples lack data, in integers: what ``kernels/holes.cl`` computes."""
+"""Which triangles stay where samples lack data, in integers: what ``terrain/holes.cl`` computes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Tessellation factors of every patch, in float64: what ``kernels/hull.cl`` computes."""
+"""Tessellation factors of every patch, in float64: what ``terrain/hull.cl`` computes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Errors of tiles and edges at pairs of odd factors, in float64: ``kernels/ladder.cl``."""
+"""Errors of tiles and edges at pairs of odd factors, in float64: ``kernels/terrain/ladder.cl``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Heights and rays against bilinear ground in float64: ``kernels/queries_ground.cl``.
+"""Heights and rays against bilinear ground in float64: ``terrain/queries.cl``.
 
 Rays are tried against every cell, whereas the kernel walks.
 """

@@ -1,4 +1,4 @@
-"""Factors that keep a promise, in float64: what ``kernels/selection.cl`` chooses and tightens."""
+"""Factors that keep a promise, in float64: what ``terrain/selection.cl`` chooses and tightens."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Array = npt.NDArray[np.float64]
 def metres_for_pixels(camera: Camera, low: Array, high: Array, pixels: float) -> float:
     """Return the vertical error that moves nothing in a world box by more than `pixels`.
 
-    ``kernels/screen.h`` has the derivation.
+    ``kernels/terrain/screen.h`` has the derivation.
     """
     right, upward, forward = camera.axes
     across, along = np.hypot(right[2], upward[2]), abs(forward[2])

@@ -1,4 +1,4 @@
-"""Weights of tiles in float64: what ``kernels/weights.cl`` computes."""
+"""Weights of tiles in float64: what ``terrain/weights.cl`` computes."""
 
 from __future__ import annotations
 

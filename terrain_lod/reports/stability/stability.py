@@ -164,7 +164,7 @@ def _json(found: list[Finding], device: Device) -> str:
 
 
 def _page(found: list[Finding], device: Device) -> str:
-    template = Template(files("terrain_lod.report").joinpath("report.html").read_text("utf-8"))
+    template = Template(files("terrain_lod.reports").joinpath("report.html").read_text("utf-8"))
     number = version("terrain_lod")
     met = sum(each.is_met for each in found)
     return template.substitute(

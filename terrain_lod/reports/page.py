@@ -59,7 +59,7 @@ def page(
         seen = _seen(comparison, pictures)
     else:
         seen = section("What the camera sees", paragraph(f"No 3-D pictures. {no_pictures}."))
-    template = Template(files("terrain_lod.report").joinpath("report.html").read_text("utf-8"))
+    template = Template(files("terrain_lod.reports").joinpath("report.html").read_text("utf-8"))
     return template.substitute(
         version=escape(version),
         title=escape(f"Level of detail: {comparison.terrain.ground.name}"),

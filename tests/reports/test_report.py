@@ -22,17 +22,17 @@ from terrain_lod.errors import FileError, InputError
 from terrain_lod.ground.grid import TileGrid
 from terrain_lod.ground.heightmap import Heightmap
 from terrain_lod.mesh.mesh import Mesh
-from terrain_lod.report.comparison import (
+from terrain_lod.reports.comparison import (
     EQUAL_SHARE,
     compare,
     device_bytes,
     with_triangles,
 )
-from terrain_lod.report.maps import _footprint, _Sheet
-from terrain_lod.report.pictures import differing
-from terrain_lod.report.report import report
-from terrain_lod.report.tables import rasterised_share
-from terrain_lod.report.verdict import verdict
+from terrain_lod.reports.maps import _footprint, _Sheet
+from terrain_lod.reports.pictures import differing
+from terrain_lod.reports.report import report
+from terrain_lod.reports.tables import rasterised_share
+from terrain_lod.reports.verdict import verdict
 from terrain_lod.terrain.lod import CoplanarityLod, DistanceLod, UniformLod
 from terrain_lod.terrain.terrain import Terrain
 
@@ -180,7 +180,7 @@ def test_page_is_whole_and_holds_everything(made):
 
 
 def test_maps_are_drawn_without_graphics_and_say_so(ground, tmp_path, monkeypatch):
-    for name in ("report", "report.pictures"):
+    for name in ("reports.report", "reports.pictures"):
         module = import_module(f"terrain_lod.{name}")
         monkeypatch.setattr(module, "graphics_problem", lambda: "expected OpenGL & none")
     made = report(ground, tmp_path, camera=small_camera(ground))

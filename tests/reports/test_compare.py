@@ -13,17 +13,18 @@ import pytest
 import terrain_lod as tl
 from support.grounds import holed, rough
 from terrain_lod.cli.app import run
-from terrain_lod.report.compare.compare import compare_all
-from terrain_lod.report.compare.peers import PEERS, Peer, uniform_grid
-from terrain_lod.report.compare.sweep import (
+from terrain_lod.reports.compare.compare import compare_all
+from terrain_lod.reports.compare.peers import PEERS, Peer, uniform_grid
+from terrain_lod.reports.compare.sweep import (
     Contender,
     contenders,
     installed,
     tolerances,
 )
-from terrain_lod.report.compare.trials import Course, Result
-from terrain_lod.report.compare.verdict import findings
+from terrain_lod.reports.compare.trials import Course, Result
+from terrain_lod.reports.compare.verdict import findings
 
+COMPARE = "terrain_lod.reports.compare.compare"
 GROUND = rough(60, 50, spacing=(30.0, 20.0), origin=(500_000, 4_000_000))
 MIDDLE = {"m": 20.0, "samples": 4.0, "share": 0.3}
 
@@ -146,10 +147,8 @@ def test_a_better_peer_is_not_hidden(promised: Result) -> None:
 def test_report_is_the_same_every_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # fewer settings: each is as good as another here
     sweep = [each for each in contenders(GROUND, 15) if each.parameter in (1.0, 2.0, 15.0)]
-    monkeypatch.setattr("terrain_lod.report.compare.compare.contenders", lambda ground, tile: sweep)
-    monkeypatch.setattr(
-        "terrain_lod.report.compare.compare.graphics_problem", lambda: "no pictures here"
-    )
+    monkeypatch.setattr(f"{COMPARE}.contenders", lambda ground, tile: sweep)
+    monkeypatch.setattr(f"{COMPARE}.graphics_problem", lambda: "no pictures here")
     steps: list[tuple[int, int]] = []
     first, second = (
         compare_all(
@@ -201,7 +200,7 @@ def test_command_compares(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     sweep = [each for each in contenders(GROUND, 15) if each.parameter == 1.0]
-    monkeypatch.setattr("terrain_lod.report.compare.compare.contenders", lambda ground, tile: sweep)
+    monkeypatch.setattr(f"{COMPARE}.contenders", lambda ground, tile: sweep)
     np.save(tmp_path / "hills.npy", GROUND.heights)
     out = tmp_path / "out"
     tokens = ["report", str(tmp_path / "hills.npy"), "--compare", "--views", "1", "-o", str(out)]

@@ -52,7 +52,7 @@ _COST_HEADS: Final = (
 
 def comparison_page(made: SweepReport) -> str:
     """Return the page's text."""
-    template = Template(files("terrain_lod.report").joinpath("report.html").read_text("utf-8"))
+    template = Template(files("terrain_lod.reports").joinpath("report.html").read_text("utf-8"))
     ground = made.course.ground
     (rows, columns), (low, high) = ground.shape, ground.height_range
     number = version("terrain_lod")

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 import terrain_lod as tl
-from terrain_lod.report.stability.cases import cameras, grounds, rough_ground
-from terrain_lod.report.stability.checks import (
+from terrain_lod.reports.stability.cases import cameras, grounds, rough_ground
+from terrain_lod.reports.stability.checks import (
     BOUNDS,
     OnGround,
     camera_findings,
     finding,
 )
-from terrain_lod.report.stability.stability import verdict, write_stability
+from terrain_lod.reports.stability.stability import verdict, write_stability
 
 pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning:terrain_lod.reference")
 
@@ -57,7 +57,7 @@ def test_a_difference_is_found() -> None:
 
 def test_report(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     few = {name: grounds()[name] for name in ("one spike", "2 × 2 samples")}
-    monkeypatch.setattr("terrain_lod.report.stability.stability.grounds", lambda: few)
+    monkeypatch.setattr("terrain_lod.reports.stability.stability.grounds", lambda: few)
     steps: list[tuple[int, int]] = []
     made = write_stability(tmp_path, progress=lambda done, total: steps.append((done, total)))
     assert steps[-1] == (len(few) + len(cameras(rough_ground())),) * 2

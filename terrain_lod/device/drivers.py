@@ -1,0 +1,80 @@
+"""The drivers of this machine: which devices there are, which is meant, what their errors say."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from typing import Final
+
+import pyopencl as cl
+
+from ..errors import DeviceError, DeviceMemoryError
+from .info import DeviceInfo, find_device, listing
+
+PYOPENCL_VARIABLE: Final = "PYOPENCL_CTX"
+
+_listing_process: int | None = None  # which process has listed devices
+
+
+def devices() -> tuple[DeviceInfo, ...]:
+    """Return every OpenCL device of this machine, GPUs first."""
+    return tuple(info_of(handle) for handle in handles())
+
+
+def handles() -> list[cl.Device]:
+    global _listing_process
+    if _listing_process not in (None, os.getpid()):  # drivers' threads do not survive a fork
+        raise DeviceError(
+            "expected a process of its own for OpenCL, got a fork of one that uses it already: "
+            "start workers with  multiprocessing.get_context('spawn')"
+        )
+    _listing_process = os.getpid()
+    try:
+        platforms = cl.get_platforms()
+    except cl.Error:  # no driver at all
+        return []
+    found = []
+    for platform in platforms:
+        with suppress(cl.Error):  # a platform without a device
+            found += platform.get_devices()
+    return sorted(found, key=lambda handle: not is_gpu(handle))
+
+
+def is_gpu(handle: cl.Device) -> bool:
+    return bool(handle.type & cl.device_type.GPU)
+
+
+def info_of(handle: cl.Device) -> DeviceInfo:
+    return DeviceInfo(
+        name=handle.name.strip(),
+        platform=handle.platform.name.strip(),
+        is_gpu=is_gpu(handle),
+        memory=int(handle.global_mem_size),
+        largest_buffer=int(handle.max_mem_alloc_size),
+    )
+
+
+def choose(name: str | None) -> cl.Device:
+    found = handles()
+    infos = [info_of(handle) for handle in found]
+    choice = os.environ.get(PYOPENCL_VARIABLE)
+    if found and name is None and choice:
+        try:
+            return cl.choose_devices(interactive=False)[0]
+        except (cl.Error, RuntimeError) as error:
+            what = f"unknown device, {PYOPENCL_VARIABLE}={choice!r}"
+            raise DeviceError(f"{what}: {error}; here: {listing(infos)}") from None
+    return found[find_device(infos, name)]
+
+
+@contextmanager
+def named(*what: object) -> Iterator[None]:
+    """Turn the driver's errors inside the block into ours, which say `what` failed, as words."""
+    try:
+        yield
+    except cl.Error as error:
+        name = " ".join(map(str, what))
+        if isinstance(error, cl.MemoryError):
+            raise DeviceMemoryError(f"{name}: the device is out of memory ({error})") from None
+        raise DeviceError(f"{name}: {error}") from None

@@ -1,0 +1,1 @@
+"""Every level of detail and peer."""
