@@ -33,7 +33,7 @@ from terrain_lod.drawing.render import render
 from terrain_lod.measure.cracks import crack_report
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-from curved_meshes import CLOSED
+from support.curved_meshes import CLOSED
 
 PARTITIONINGS = ("fractional_odd", "semi_uniform")
 FORMULAS: tuple[EdgeFactor, ...] = (
