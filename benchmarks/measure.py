@@ -7,8 +7,7 @@ from statistics import median
 
 import numpy as np
 
-from terrain_lod.device.arrays import DeviceArray
-from terrain_lod.device.device import Device
+from terrain_lod.device.device import Device, DeviceArray
 
 
 def device_seconds(device: Device, work: Callable[[], object]) -> float:

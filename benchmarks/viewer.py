@@ -225,7 +225,7 @@ def settled(window: Window) -> Frame:
 
 def resident() -> int:
     """Return the bytes that this process holds in memory, after giving back what it can."""
-    tl.Device.open().trim()
+    tl.Device.open().memory.trim()
     trim = getattr(CDLL(None), "malloc_trim", None)
     if trim is not None:
         trim(0)

@@ -45,6 +45,7 @@ from .files.rasters.samples import sample, sample_names
 from .ground.heightmap import Heightmap
 from .measure.cracks import CrackReport, crack_report
 from .measure.error import VerticalError, vertical_error
+from .measure.patch_errors import patch_errors
 from .measure.screen_error import (
     Pop,
     ScreenError,
@@ -129,6 +130,7 @@ __all__ = [
     "load_bpt",
     "load_mesh",
     "normal_error",
+    "patch_errors",
     "pn_triangles",
     "pop_metric",
     "sample",

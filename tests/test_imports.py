@@ -23,7 +23,7 @@ ROOMS = {
     "ground": "errors arguments device",
     "camera": "errors arguments device ground",
     "tessellation": "errors arguments device",
-    "mesh": "errors device",
+    "mesh": "errors device ground",
     "files": "errors arguments paths ground mesh",
     "terrain": "errors arguments paths device ground camera tessellation mesh",
     "curved": "errors arguments device camera tessellation mesh files",
@@ -36,8 +36,8 @@ ROOMS = {
                  drawing""",
     "reports": """arguments paths device ground camera tessellation mesh terrain reference measure
                   drawing""",
-    "cli": """errors arguments paths device ground camera tessellation files terrain curved measure
-              drawing viewer reports""",
+    "cli": """errors arguments paths device ground camera tessellation mesh files terrain curved
+              measure drawing viewer reports""",
     "__main__": "cli",
 }
 # within a function, so that a value can offer what is written above it
@@ -46,8 +46,9 @@ LATE = {
     ("mesh", "drawing"),
     ("mesh", "files"),
     ("terrain", "drawing"),
-    ("files", "measure"),
 }
+# a value that offers its writer, which has to know it: but for these, imports run one way
+WRITERS = {("mesh.mesh", "files.meshes.export")}
 # only there, so that everything else runs without them
 GUARDED = {"pyopencl": {"device"}, "rasterio": {"files.rasters.readers_geo"}}
 # nobody waits for these on import
@@ -70,7 +71,7 @@ def room_of(module: str) -> str:
 def imports(path: Path) -> Iterator[tuple[str, bool]]:
     """Yield each imported module, and whether it is imported late; a dot before the package's own.
 
-    Imports for annotations alone, under ``if TYPE_CHECKING``, are left out.
+    Imports for annotations alone, under ``if TYPE_CHECKING``, are late: who names a thing knows it.
     """
     folder = path.relative_to(PACKAGE).parts[:-1]
 
@@ -82,19 +83,32 @@ def imports(path: Path) -> Iterator[tuple[str, bool]]:
             yield "." + (inner if inner in MODULES else module)
 
     def walk(node: ast.AST, late: bool) -> Iterator[tuple[str, bool]]:
-        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
-            return
         if isinstance(node, ast.Import):
             yield from ((alias.name, late) for alias in node.names)
         if isinstance(node, ast.ImportFrom) and node.level == 0:
             yield node.module or "", late
         elif isinstance(node, ast.ImportFrom):
             yield from ((name, late) for name in own(node))
-        late = late or isinstance(node, ast.FunctionDef)
+        late = late or isinstance(node, ast.FunctionDef) or _for_annotations(node)
         for child in ast.iter_child_nodes(node):
             yield from walk(child, late)
 
     yield from walk(ast.parse(path.read_text(encoding="utf-8")), late=False)
+
+
+def _for_annotations(node: ast.AST) -> bool:
+    return isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
+
+
+def circles(knows: dict[str, set[str]]) -> list[set[str]]:
+    """Return the groups of modules that import each other, be it by way of others."""
+    reached = {module: set(known) for module, known in knows.items()}
+    for through in knows:  # Warshall's algorithm
+        for module in knows:
+            if through in reached[module]:
+                reached[module] |= reached[through]
+    found = [{b for b in reached[a] if a in reached[b]} for a in knows if a in reached[a]]
+    return [group for index, group in enumerate(found) if group not in found[:index]]
 
 
 def test_rooms_are_the_folders_and_stand_on_those_below() -> None:
@@ -127,6 +141,22 @@ def test_no_room_is_allowed_what_it_does_not_use() -> None:
     for room, known in ROOMS.items():
         late = {other for one, other in LATE if one == room}
         assert set(known.split()) == used[room] - {room} - late, room
+
+
+def test_no_modules_import_each_other_but_a_value_and_its_writer() -> None:
+    knows = {
+        module: {name[1:] for name, _ in imports(path) if name[0] == "."} & MODULES.keys()
+        for module, path in MODULES.items()
+    }
+    for value, writer in WRITERS:
+        assert any({value, writer} <= group for group in circles(knows)), (value, writer)
+        knows[value].remove(writer)
+    assert circles(knows) == []
+
+
+def test_circles_are_found() -> None:
+    knows = {"a": {"b"}, "b": {"c"}, "c": {"b", "d"}, "d": {"d"}, "e": {"a"}}
+    assert circles(knows) == [{"b", "c"}, {"d"}]
 
 
 def test_packages_hold_no_code() -> None:

@@ -30,9 +30,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..arguments import one_of, whole
-from ..device.arrays import DeviceArray
-from ..device.device import Device
-from ..device.kernels import Kernel
+from ..device.device import Device, DeviceArray, Kernel
 from ..errors import InputError
 from ..mesh.mesh import Mesh
 from ..mesh.soundness import require_sound

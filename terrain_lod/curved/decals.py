@@ -12,8 +12,7 @@ import numpy.typing as npt
 from ..arguments import finite, one_of, positive
 from ..camera.camera import Point
 from ..device import layout
-from ..device.arrays import DeviceArray
-from ..device.device import Device
+from ..device.device import Device, DeviceArray
 from ..errors import InputError
 from ..mesh.mesh import Mesh
 from ..tessellation.factors import DeviceFactors

@@ -11,8 +11,7 @@ import numpy.typing as npt
 from ..arguments import finite, one_of
 from ..camera.camera import Camera
 from ..device import layout
-from ..device.arrays import DeviceArray
-from ..device.device import Device
+from ..device.device import Device, DeviceArray
 from ..device.timeline import Timeline
 from ..mesh.mesh import Mesh
 from ..mesh.open_edges import weld

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from ..device.arrays import DeviceArray
+from ..device.device import DeviceArray
 from ..device.layout import PARTITIONINGS
 from ..mesh.open_edges import weld
 from ..tessellation.factors import DeviceFactors

@@ -8,8 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..arguments import finite
-from ..device.arrays import DeviceArray
-from ..device.device import Device
+from ..device.device import Device, DeviceArray
 from ..device.layout import PATCH_ADJACENT, PATCH_DOMINANT
 from ..errors import InputError
 from ..mesh.mesh import Mesh

@@ -12,8 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..device import layout
-from ..device.arrays import DeviceArray
-from ..device.device import Device
+from ..device.device import Device, DeviceArray
 from ..mesh.vertices import DeviceVertices
 from ..tessellation.factors import DeviceFactors
 from ..tessellation.pattern import DevicePattern

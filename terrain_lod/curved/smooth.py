@@ -19,8 +19,7 @@ import numpy.typing as npt
 from ..arguments import finite, one_of
 from ..camera.camera import Camera
 from ..device import layout
-from ..device.arrays import DeviceArray
-from ..device.device import Device
+from ..device.device import Device, DeviceArray
 from ..device.timeline import Timeline
 from ..errors import InputError
 from ..mesh.mesh import Mesh

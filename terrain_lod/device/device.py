@@ -1,7 +1,8 @@
-"""The compute device: its queue, its built kernels, its memory and its clock.
+"""The compute device, the arrays in its memory and the kernels that it runs.
 
 This room alone imports pyopencl. Everything else sees four names: a :class:`Device`, its
-:class:`Kernel` objects, the :class:`DeviceArray` they read and write, and a :class:`Timeline`.
+:class:`Kernel` objects, the :class:`DeviceArray` they read and write, and a :class:`Timeline`. The
+first three know each other, and stand here side by side.
 
 >>> device = Device.open()
 >>> square = device.kernel("square.cl", "square")           # doctest: +SKIP
@@ -13,31 +14,31 @@ from __future__ import annotations
 import os
 import threading
 import warnings
+import weakref
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache
+from math import prod
+from operator import index
 from pathlib import PurePosixPath
 from typing import Any, Final
 
+import numpy as np
 import numpy.typing as npt
 import pyopencl as cl
-from pyopencl.tools import ImmediateAllocator, MemoryPool
 
-from ..errors import DeviceError
+from ..errors import DeviceError, InputError
 from . import layout
-from .arrays import DeviceArray
 from .drivers import choose, info_of, named
-from .info import require_memory
-from .kernels import Kernel
 from .linker.offer import provide_linker
+from .memory import Memory
+from .parameters import Parameter
 from .sources import kernel_source, with_true_places
 from .timeline import Timeline
 
 DEVICE_VARIABLE: Final = "TERRAIN_LOD_DEVICE"
 POCL: Final = "Portable Computing Language"
 
-# larger allocations are given back at once
-_LARGEST_KEPT: Final = 2**28
 _LANES: Final = 8  # of a CPU's vectors
 # programs that are kept built: ground at two tile sizes and a mesh beside it want no more. PoCL
 # holds 3 to 5 MB for each
@@ -61,17 +62,15 @@ class Device:
             self.queue = cl.CommandQueue(
                 self.context, properties=cl.command_queue_properties.PROFILING_ENABLE
             )
-        self.lock = threading.RLock()
-        self.allocated = 0
-        self._pool = MemoryPool(ImmediateAllocator(self.queue))
-        self._lately = 0.0  # bytes in use at a time
+        self.memory = Memory(self.info, self.queue)
+        self.lock = threading.RLock()  # of the built kernels
         self.has_doubles = "cl_khr_fp64" in handle.extensions.split()
         self._exact_division = bool(
             handle.single_fp_config & cl.device_fp_config.CORRECTLY_ROUNDED_DIVIDE_SQRT
         )
         # by file and defines, the one used last at the end
         self._programs: dict[tuple[str, str], tuple[cl.Program, dict[str, Kernel]]] = {}
-        self._timelines: list[Timeline] = []
+        self._of_thread = threading.local()
 
     @classmethod
     def open(cls, name: str | None = None) -> Device:
@@ -110,6 +109,11 @@ class Device:
 
     # memory
 
+    @property
+    def allocated(self) -> int:
+        """Bytes that arrays have in use."""
+        return self.memory.allocated
+
     def require(self, what: str, *nbytes: int) -> None:
         """Refuse allocations of `nbytes` each for `what` where the device cannot hold them.
 
@@ -118,7 +122,7 @@ class Device:
         DeviceMemoryError
             With the bytes wanted and had.
         """
-        require_memory(self.info, self.allocated, what, nbytes)
+        self.memory.require(what, *nbytes)
 
     def require_doubles(self, what: str) -> None:
         """Refuse `what` where the device has no 64-bit floats."""
@@ -127,33 +131,6 @@ class Device:
                 f"{what} want a device with 64-bit floats, {self.info.name} has none: "
                 "choose another, a CPU for one"
             )
-
-    def allocate(self, nbytes: int) -> cl.MemoryObject:
-        """Return memory, used before where there is some: pages new to a CPU cost most of all.
-
-        What arrays have freed is kept for the next, which the queue's order makes safe: about as
-        much as was lately in use at a time, and none where the device would run short.
-        """
-        with self.lock:
-            held = self._pool.managed_bytes - self._pool.active_bytes
-            # half of it is forgotten in ten meshes, of some thirty arrays each
-            self._lately = max(0.998 * self._lately, self._pool.active_bytes + nbytes)
-            short = self._pool.managed_bytes + nbytes > self.info.memory // 2
-            if nbytes > _LARGEST_KEPT or held > 1.5 * self._lately or short:
-                self._pool.free_held()
-            if nbytes > _LARGEST_KEPT:
-                return cl.Buffer(self.context, cl.mem_flags.READ_WRITE, nbytes)
-            return self._pool.allocate(nbytes)
-
-    def trim(self) -> None:
-        """Give back the memory that freed arrays have left for the next."""
-        with self.lock:
-            self._pool.free_held()
-
-    def account(self, nbytes: int) -> None:
-        """Count `nbytes` more in use, or fewer; arrays call it as they come and go."""
-        with self.lock:
-            self.allocated += nbytes
 
     def empty(self, shape: int | tuple[int, ...], dtype: npt.DTypeLike) -> DeviceArray:
         """Return an array of device memory, not initialised."""
@@ -216,18 +193,155 @@ class Device:
 
     @contextmanager
     def timed(self) -> Iterator[Timeline]:
-        """Collect the times of the launches inside the block."""
+        """Collect the times of the launches that this thread makes inside the block."""
         timeline = Timeline()
-        self._timelines.append(timeline)
+        self._open_timelines.append(timeline)
         try:
             yield timeline
         finally:
-            self._timelines.remove(timeline)
+            self._open_timelines.pop()
 
     def record(self, stage: str, event: cl.Event) -> None:
-        """Add a launch to every open timeline."""
-        for timeline in self._timelines:
+        """Add a launch to every timeline that this thread has open."""
+        for timeline in self._open_timelines:
             timeline.add(stage, event)
+
+    @property
+    def _open_timelines(self) -> list[Timeline]:
+        mine: list[Timeline] = self._of_thread.__dict__.setdefault("timelines", [])
+        return mine
+
+
+class DeviceArray:
+    """A typed array in device memory; ``host()`` brings it down.
+
+    Attributes
+    ----------
+    shape : tuple of int
+    dtype : numpy.dtype
+    device : Device
+    """
+
+    def __init__(self, device: Device, shape: tuple[int, ...], dtype: npt.DTypeLike) -> None:
+        self.device = device
+        self.shape = tuple(index(extent) for extent in shape)
+        self.dtype: np.dtype[Any] = np.dtype(dtype)
+        # OpenCL has no empty buffers: one element stands in for none
+        nbytes = max(self.nbytes, self.dtype.itemsize)
+        what = f"an array of {self.shape} {self.dtype.name}"
+        device.require(what, nbytes)
+        with named(what):
+            self.buffer = device.memory.allocate(nbytes)
+        device.memory.account(nbytes)
+        weakref.finalize(self, device.memory.account, -nbytes)
+
+    @property
+    def size(self) -> int:
+        return prod(self.shape)
+
+    @property
+    def nbytes(self) -> int:
+        return self.size * self.dtype.itemsize
+
+    def __repr__(self) -> str:
+        return f"<DeviceArray {self.shape} {self.dtype.name} on {self.device.info.name}>"
+
+    def host(self) -> npt.NDArray[Any]:
+        """Return a copy in host memory; waits for every launch before it."""
+        values = np.empty(self.shape, self.dtype)
+        if self.size:
+            with named("reading", self):
+                cl.enqueue_copy(self.device.queue, values, self.buffer)
+        return values
+
+    def write(self, values: npt.ArrayLike, start: int = 0) -> None:
+        """Overwrite elements from flat index `start` on with host `values`."""
+        flat = np.ascontiguousarray(values, self.dtype).ravel()
+        if start < 0 or start + flat.size > self.size:
+            raise InputError(
+                f"expected at most {self.size - start} values from index {start}, got {flat.size}"
+            )
+        if flat.size:
+            offset = start * self.dtype.itemsize
+            with named("writing", self):
+                cl.enqueue_copy(self.device.queue, self.buffer, flat, dst_offset=offset)
+
+    def copy(self) -> DeviceArray:
+        """Return another array of the same values."""
+        other = self.device.empty(self.shape, self.dtype)
+        if self.size:
+            with named("copying", self):
+                cl.enqueue_copy(
+                    self.device.queue, other.buffer, self.buffer, byte_count=self.nbytes
+                )
+        return other
+
+    def fill(self, value: float) -> DeviceArray:
+        """Set every element to `value` and return the array."""
+        if self.size:
+            pattern = np.full(1, value, self.dtype)
+            with named("filling", self):
+                cl.enqueue_fill_buffer(self.device.queue, self.buffer, pattern, 0, self.nbytes)
+        return self
+
+
+class Kernel:
+    """One built kernel, launched by keyword.
+
+    ``kernel(global_size, local_size, name=value, ...)``: the names are the kernel's own argument
+    names. A pointer takes a :class:`DeviceArray` of its element type, a struct the matching
+    ``layout`` record, a scalar a Python number, a ``__local`` pointer its number of bytes. The
+    global size is rounded up to a multiple of the local one: kernels guard their stores.
+    """
+
+    def __init__(self, device: Device, handle: cl.Kernel, stage: str) -> None:
+        self.device = device
+        self.name: str = handle.function_name
+        self.stage = stage
+        self._handle = handle
+        parameters = map(self._parameter, range(handle.num_args))
+        self._parameters = {parameter.name: parameter for parameter in parameters}
+
+    def _parameter(self, index: int) -> Parameter:
+        info, qualifiers = cl.kernel_arg_info, cl.kernel_arg_address_qualifier
+        return Parameter(
+            kernel=self.name,
+            name=self._handle.get_arg_info(index, info.NAME),
+            type_name=self._handle.get_arg_info(index, info.TYPE_NAME),
+            is_local=self._handle.get_arg_info(index, info.ADDRESS_QUALIFIER) == qualifiers.LOCAL,
+        )
+
+    def __call__(
+        self, global_size: tuple[int, ...], local_size: tuple[int, ...], **arguments: object
+    ) -> None:
+        if arguments.keys() != self._parameters.keys():
+            expected, got = ", ".join(self._parameters), ", ".join(arguments)
+            raise DeviceError(f"kernel {self.name} expected arguments ({expected}), got ({got})")
+        values = [
+            self._convert(parameter, arguments[name])
+            for name, parameter in self._parameters.items()
+        ]
+        extents = zip(global_size, local_size, strict=True)
+        padded = tuple(-(-extent // local) * local for extent, local in extents)
+        if 0 in padded:
+            return
+        # kernel objects hold their arguments: one launch at a time
+        work = "on", padded, "work-items in groups of", local_size
+        with self.device.lock, named("kernel", self.name, *work):
+            self._handle.set_args(*values)
+            event = cl.enqueue_nd_range_kernel(self.device.queue, self._handle, padded, local_size)
+            self.device.record(self.stage, event)
+
+    def _convert(self, parameter: Parameter, value: object) -> object:
+        """Return what OpenCL takes for `value`, or say what was expected."""
+        if not parameter.is_pointer:
+            return parameter.scalar(value)
+        match value:
+            case int() if parameter.is_local and value > 0:
+                return cl.LocalMemory(value)
+            case DeviceArray(device=self.device, dtype=parameter.dtype) if not parameter.is_local:
+                return value.buffer
+        raise parameter.refusal(value)
 
 
 @cache

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from .arrays import DeviceArray
+from .device import DeviceArray
 
 _BLOCK: Final = 4096  # counts that a work-group adds up
 _GROUP: Final = 256  # its work-items, on a GPU

@@ -18,6 +18,7 @@ import numpy.typing as npt
 
 from ..arguments import finite, positive
 from ..errors import InputError
+from .detail import between, reached, repeated, require_float32, steps_between
 
 _LARGEST: Final = float(np.finfo(np.float32).max)
 
@@ -168,9 +169,42 @@ class Heightmap:
         InputError
             If the detail is not such, has another CRS, or the sums do not fit float32.
         """
-        from .relief import Relief
+        steps = self.steps_of(detail)
+        heights = between(self.heights, steps)
+        heights += repeated(detail.heights, (heights.shape[0], heights.shape[1]))
+        (dx, dy), (across, down) = self.spacing, steps
+        return Heightmap(
+            heights,
+            spacing=(dx / across, dy / down),
+            origin=self.origin,
+            base=self.base + detail.base,
+            mask=None if self.mask is None else reached(self.mask, steps),
+            crs=self.crs,
+            name=self.name,
+        )
 
-        return Relief(self, detail).sum()
+    def steps_of(self, detail: Heightmap) -> tuple[int, int]:
+        """Return the samples of `detail` a cell of this ground, along x and y.
+
+        Raises
+        ------
+        InputError
+            If it does not fit this ground, as :meth:`with_detail` describes.
+        """
+        if not isinstance(detail, Heightmap):
+            raise InputError(f"expected detail as a Heightmap, got {type(detail).__name__}")
+        if detail.mask is not None:
+            raise InputError(
+                f"expected detail with data everywhere, got {int(detail.mask.sum())} of "
+                f"{detail.mask.size} samples without: set them to 0, which adds nothing"
+            )
+        if detail.crs not in (None, self.crs):
+            raise InputError(
+                f"expected detail without a CRS, or in the ground's ({self.crs}), got {detail.crs}"
+            )
+        steps = steps_between(self.spacing, detail.spacing)
+        require_float32(self.heights, detail.heights)
+        return steps
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -211,9 +245,21 @@ class Heightmap:
         return self.origin[0] + width / 2, self.origin[1] - depth / 2, (low + high) / 2
 
     def _repr_html_(self) -> str:
-        from ..drawing.notebook import heightmap_html
+        from ..drawing.notebook import from_above, page
 
-        return heightmap_html(self)
+        low, high = self.height_range
+        table = {
+            "samples": " × ".join(f"{extent:,}" for extent in self.shape),
+            "spacing": " × ".join(f"{step:g}" for step in self.spacing),
+            "heights": f"{low:,.6g} to {high:,.6g}",
+            "origin": ", ".join(f"{value:,.10g}" for value in self.origin),
+        }
+        if self.mask is not None:
+            table["nodata"] = f"{int(self.mask.sum()):,} samples"
+        if self.crs:
+            table["CRS"] = self.crs
+        picture = from_above(self.elevation, self.spacing, (low, high))
+        return page(f"Heightmap {self.name}", table, picture)
 
     def __repr__(self) -> str:
         rows, columns = self.shape

@@ -9,9 +9,7 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from ..device.arrays import DeviceArray
-from ..device.device import Device
-from ..device.kernels import Kernel
+from ..device.device import Device, DeviceArray, Kernel
 from ..ground.heightmap import Heightmap
 from ..mesh.mesh import Mesh
 from ..mesh.soundness import require_sound

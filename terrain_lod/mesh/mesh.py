@@ -10,11 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import InputError
+from ..ground.grid import TileGrid
 
 if TYPE_CHECKING:
     import pyvista
-
-    from ..ground.heightmap import Heightmap
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,10 +22,8 @@ class Patches:
 
     Attributes
     ----------
-    shape : (int, int)
-        Tile rows and columns; P is their product.
-    tile : int
-        Cells along a full tile.
+    grid : TileGrid
+        The raster's samples, and how they are cut into P tiles, one a patch.
     edge_factors : (P, 4) float32
         Tessellation factors of the edges u = 0, v = 0, u = 1, v = 1 (west, north, east, south);
         0 where the patch was culled.
@@ -38,13 +35,22 @@ class Patches:
         Standard deviation from the tile's plane; NaN where a tile has no data.
     """
 
-    shape: tuple[int, int]
-    tile: int
+    grid: TileGrid
     edge_factors: npt.NDArray[np.float32]
     inside_factors: npt.NDArray[np.float32]
     point_offsets: npt.NDArray[np.int64]
     triangle_offsets: npt.NDArray[np.int64]
     deviation: npt.NDArray[np.float32]
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Tile rows and columns; P is their product."""
+        return self.grid.shape
+
+    @property
+    def tile(self) -> int:
+        """Cells along a full tile."""
+        return self.grid.tile
 
     @property
     def count(self) -> int:
@@ -153,16 +159,66 @@ class Mesh:
 
         return save(self, path)
 
-    def to_pyvista(self, ground: Heightmap | None = None) -> pyvista.PolyData:
-        """Return a pyvista.PolyData. See :func:`terrain_lod.files.meshes.export.to_pyvista`."""
-        from ..files.meshes.export import to_pyvista
+    def to_pyvista(self) -> pyvista.PolyData:
+        """Return the mesh as pyvista.PolyData that shares its memory.
 
-        return to_pyvista(self, ground)
+        Returns
+        -------
+        pyvista.PolyData
+            Points relative to the origin; add ``field_data["origin"]`` for world coordinates. Point
+            data: ``Normals``, and texture coordinates where the mesh has them. Field data:
+            ``origin`` (3,) float64, ``crs``. A terrain's cell data: ``patch`` int32, the patch's
+            row-major number; ``factor`` float32, its larger inside factor; ``level`` int8, how
+            often that doubles: 0 for 1, 1 for 2, 3 for 8; ``deviation`` float32, that of its tile
+            from the plane.
+
+        Examples
+        --------
+        Errors are measured against a ground; ``patch`` says where each belongs:
+
+        >>> surface = mesh.to_pyvista()                             # doctest: +SKIP
+        >>> errors = tl.patch_errors(mesh, ground)                  # doctest: +SKIP
+        >>> surface["error"] = errors[surface["patch"]]             # doctest: +SKIP
+        """
+        import pyvista
+
+        surface = pyvista.PolyData.from_regular_faces(self.vertices, self.triangles)
+        surface.point_data.active_normals = self.normals
+        if self.textures is not None:
+            surface.point_data.active_texture_coordinates = self.textures
+        surface.field_data["origin"] = np.asarray(self.origin, np.float64)
+        if self.crs:
+            surface.field_data["crs"] = self.crs
+        if self.patches is not None:
+            patch = self.triangle_patches
+            factors = self.patches.inside_factors.max(axis=1)
+            levels = np.round(np.log2(np.maximum(factors, 1.0))).astype(np.int8)
+            surface.cell_data["patch"] = patch
+            surface.cell_data["factor"] = factors[patch]
+            surface.cell_data["level"] = levels[patch]
+            surface.cell_data["deviation"] = self.patches.deviation[patch]
+        return surface
 
     def _repr_html_(self) -> str:
-        from ..drawing.notebook import mesh_html
+        from ..drawing.notebook import page
 
-        return mesh_html(self)
+        table = {"triangles": f"{len(self.triangles):,}", "vertices": f"{len(self.vertices):,}"}
+        if len(self.vertices):
+            size = np.ptp(self.vertices, axis=0)
+            table["size"] = " × ".join(f"{extent:,.4g}" for extent in size)
+        table["origin"] = ", ".join(f"{value:,.10g}" for value in self.origin)
+        if self.patches is not None:
+            drawn = self.patches.count - self.patches.culled_count
+            table["patches"] = f"{drawn:,} drawn, {self.patches.culled_count:,} culled"
+        if self.achieved is not None:
+            pixels = self.achieved.pixels
+            seen = "" if pixels is None else f", {pixels:.3g} pixels"
+            table["largest error"] = f"{self.achieved.metres:.4g}{seen}"
+        for stage, seconds in self.timings.items():
+            table[stage] = f"{1e3 * seconds:.1f} ms"
+        if self.crs:
+            table["CRS"] = self.crs
+        return page("Mesh", table)
 
     def __repr__(self) -> str:
         kind = type(self).__name__

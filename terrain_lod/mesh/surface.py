@@ -8,9 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..device import layout
-from ..device.arrays import DeviceArray
-from ..device.device import Device
-from ..device.kernels import Kernel
+from ..device.device import Device, DeviceArray, Kernel
 from ..device.scan import exclusive_scan
 from .hits import (
     Array,

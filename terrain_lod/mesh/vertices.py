@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..device.arrays import DeviceArray
+from ..device.device import DeviceArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from ..arguments import one_of
 from ..device import layout
-from ..device.arrays import DeviceArray
+from ..device.device import DeviceArray
 from ..ground.grid import TileGrid
 from ..tessellation.factors import DeviceFactors
 from .buffers import DeviceAnalysis, DeviceGround, DevicePatches

@@ -15,7 +15,7 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from ..device.arrays import DeviceArray
+from ..device.device import DeviceArray
 from ..errors import InputError
 from ..ground.grid import TileGrid
 from ..mesh.mesh import Achieved

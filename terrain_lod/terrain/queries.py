@@ -6,7 +6,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from ..device.kernels import Kernel
+from ..device.device import Kernel
 from ..ground.grid import TileGrid
 from ..mesh.hits import Array, Hits
 from .buffers import DeviceAnalysis, DeviceGround

@@ -10,8 +10,7 @@ import numpy.typing as npt
 
 from ..arguments import one_of
 from ..device import layout
-from ..device.arrays import DeviceArray
-from ..device.kernels import Kernel
+from ..device.device import DeviceArray, Kernel
 from ..ground.grid import TileGrid
 from ..tessellation.factors import DeviceFactors
 from ..tessellation.pattern import DevicePattern

@@ -20,8 +20,7 @@ import numpy.typing as npt
 from ..arguments import one_of
 from ..camera.camera import Camera
 from ..device import layout
-from ..device.arrays import DeviceArray
-from ..device.device import Device
+from ..device.device import Device, DeviceArray
 from ..device.timeline import Timeline
 from ..errors import InputError
 from ..ground.grid import TileGrid
@@ -400,8 +399,7 @@ class Terrain:
         achieved: Achieved | None,
     ) -> Mesh:
         patches = Patches(
-            shape=self.grid.shape,
-            tile=self.grid.tile,
+            grid=self.grid,
             edge_factors=factors.edge.host(),
             inside_factors=factors.inside.host(),
             point_offsets=pattern.point_offsets.host().astype(np.int64),
@@ -420,9 +418,14 @@ class Terrain:
         )
 
     def _repr_html_(self) -> str:
-        from ..drawing.notebook import terrain_html
+        from ..drawing.notebook import page
 
-        return terrain_html(self)
+        rows, columns = self.grid.shape
+        tiles = f"{rows} × {columns} of {self.grid.tile} cells"
+        table = {"tiles": tiles, "device": self.device.info.name}
+        if self.detail is not None:
+            table["detail"] = " × ".join(f"{extent:,}" for extent in self.detail.shape)
+        return page(f"Terrain {self.ground.name}", table) + self.ground._repr_html_()
 
     def __repr__(self) -> str:
         rows, columns = self.grid.shape

@@ -7,7 +7,7 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from ..device.arrays import DeviceArray
+from ..device.device import DeviceArray
 from ..ground.grid import TileGrid
 from .buffers import DeviceAnalysis
 

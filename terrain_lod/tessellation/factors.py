@@ -40,7 +40,7 @@ from ..device.layout import FIXED_ONE, PARTITIONINGS
 from ..errors import InputError
 
 if TYPE_CHECKING:
-    from ..device.arrays import DeviceArray
+    from ..device.device import DeviceArray
 
 Factors = npt.NDArray[np.float32]
 Counts = npt.NDArray[np.int64]

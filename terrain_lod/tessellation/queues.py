@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from ..device.arrays import DeviceArray
+from ..device.device import DeviceArray
 from ..device.scan import exclusive_scan
 
 

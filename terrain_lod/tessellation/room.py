@@ -6,8 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from ..device.arrays import DeviceArray
-from ..device.device import Device
+from ..device.device import Device, DeviceArray
 from ..errors import InputError
 
 _LARGEST_INDEX_COUNT: Final = 2**31

@@ -17,8 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..arguments import one_of, whole
-from ..device.arrays import DeviceArray
-from ..device.device import Device
+from ..device.device import Device, DeviceArray
 from ..device.layout import FIXED_BITS
 from ..device.scan import exclusive_scan
 from ..errors import InputError

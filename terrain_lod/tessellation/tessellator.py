@@ -11,8 +11,7 @@ from typing import Final
 import numpy.typing as npt
 
 from ..arguments import one_of
-from ..device.arrays import DeviceArray
-from ..device.device import Device
+from ..device.device import Device, DeviceArray
 from ..device.layout import PARTITIONINGS
 from ..device.scan import exclusive_scan
 from .factors import DOMAINS, checked_factors, counts

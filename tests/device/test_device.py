@@ -185,19 +185,19 @@ def test_the_account_goes_back_when_arrays_die(device: Device) -> None:
 
 def test_memory_that_is_freed_serves_the_next_and_is_given_back() -> None:
     device = Device.open()
-    device.trim()
-    before = device._pool.managed_bytes
+    device.memory.trim()
+    before = device.memory.held
     for _ in range(20):
         device.empty(2**20, np.float32)
     # one array's worth, twenty times over
-    assert before + 2**22 <= device._pool.managed_bytes < before + 2 * 2**22
+    assert before + 2**22 <= device.memory.held < before + 2 * 2**22
     # many sizes at a time are not kept for good
     sizes = [number * 2**18 for number in range(1, 60)]
     for size in sizes:
         device.empty(size, np.uint8)
-    assert device._pool.managed_bytes < before + sum(sizes) / 4
-    device.trim()
-    assert device._pool.managed_bytes == before
+    assert device.memory.held < before + sum(sizes) / 4
+    device.memory.trim()
+    assert device.memory.held == before
 
 
 # building

@@ -15,9 +15,10 @@ import pytest
 
 from support.drawn_meshes import grid_mesh, mesh_of
 from terrain_lod.errors import FileError, InputError
-from terrain_lod.files.meshes.export import FORMATS, save, to_pyvista
+from terrain_lod.files.meshes.export import FORMATS, save
 from terrain_lod.files.meshes.glb import write_glb
 from terrain_lod.files.meshes.loading import load_mesh, vertex_normals
+from terrain_lod.ground.grid import TileGrid
 from terrain_lod.ground.heightmap import Heightmap
 from terrain_lod.mesh.mesh import Mesh, Patches
 
@@ -252,15 +253,14 @@ def test_khronos_validator_would_find_something(validate, mesh, tmp_path):
 
 def test_pyvista_shares_memory_and_knows_the_patches(mesh):
     patches = Patches(
-        shape=(1, 2),
-        tile=8,
+        grid=TileGrid(9, 17, 8, (1.0, 1.0)),
         edge_factors=np.float32([[1, 1, 1, 1], [3, 3, 3, 3]]),
         inside_factors=np.float32([[1, 5], [3, 3]]),
         point_offsets=np.array([0, 50, 108]),
         triangle_offsets=np.array([0, 100, len(mesh.triangles)]),
         deviation=np.float32([0.5, 2.5]),
     )
-    surface = to_pyvista(replace(mesh, patches=patches))
+    surface = replace(mesh, patches=patches).to_pyvista()
     assert np.shares_memory(surface.points, mesh.vertices)
     np.testing.assert_array_equal(surface.regular_faces, mesh.triangles)
     np.testing.assert_array_equal(surface.point_data["Normals"], mesh.normals)
@@ -273,7 +273,7 @@ def test_pyvista_shares_memory_and_knows_the_patches(mesh):
 
 
 def test_pyvista_takes_an_empty_mesh():
-    assert to_pyvista(mesh_of(np.zeros((0, 3)), [])).n_cells == 0
+    assert mesh_of(np.zeros((0, 3)), []).to_pyvista().n_cells == 0
 
 
 def test_glb_of_no_size_that_the_format_can_say(mesh, tmp_path, monkeypatch):

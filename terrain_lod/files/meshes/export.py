@@ -1,4 +1,4 @@
-"""Meshes out: files, and pyvista.
+"""Meshes out, to files.
 
 ========  ============================  =================================================
 ending    what                          where the origin and the CRS are
@@ -21,21 +21,13 @@ import os
 import struct
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
-
-import numpy as np
-import numpy.typing as npt
+from typing import Any, Final
 
 from ...errors import InputError
-from ...ground.grid import TileGrid
-from ...ground.heightmap import Heightmap
 from ...mesh.mesh import Mesh
 from ...mesh.soundness import require_sound
 from ...paths import replacing
 from .glb import write_glb
-
-if TYPE_CHECKING:
-    import pyvista
 
 _log = logging.getLogger(__name__)
 
@@ -83,63 +75,6 @@ def save(mesh: Mesh, path: str | Path) -> Path:
     with replacing(path) as temporary:
         write(mesh, temporary)
     return path
-
-
-def to_pyvista(mesh: Mesh, ground: Heightmap | None = None) -> pyvista.PolyData:
-    """Return the mesh as pyvista.PolyData that shares its memory.
-
-    Parameters
-    ----------
-    mesh : Mesh
-    ground : Heightmap, optional
-        What to measure the error against.
-
-    Returns
-    -------
-    pyvista.PolyData
-        Points relative to the origin; add ``field_data["origin"]`` for world coordinates. Point
-        data: ``Normals``, and texture coordinates where the mesh has them. Field data: ``origin``
-        (3,) float64, ``crs``. A terrain's cell data:
-        ``patch`` int32, the patch's row-major number; ``factor`` float32, its larger inside
-        factor; ``level`` int8, how often that doubles: 0 for 1, 1 for 2, 3 for 8; ``deviation``
-        float32, that of its tile from the plane; with `ground`, ``error`` float32, the largest
-        vertical error of its tile.
-    """
-    import pyvista
-
-    surface = pyvista.PolyData.from_regular_faces(mesh.vertices, mesh.triangles)
-    surface.point_data.active_normals = mesh.normals
-    if mesh.textures is not None:
-        surface.point_data.active_texture_coordinates = mesh.textures
-    surface.field_data["origin"] = np.asarray(mesh.origin, np.float64)
-    if mesh.crs:
-        surface.field_data["crs"] = mesh.crs
-    if mesh.patches is not None:
-        patch = mesh.triangle_patches
-        factors = mesh.patches.inside_factors.max(axis=1)
-        surface.cell_data["patch"] = patch
-        surface.cell_data["factor"] = factors[patch]
-        levels = np.round(np.log2(np.maximum(factors, 1.0))).astype(np.int8)
-        surface.cell_data["level"] = levels[patch]
-        surface.cell_data["deviation"] = mesh.patches.deviation[patch]
-        if ground is not None:
-            surface.cell_data["error"] = _tile_errors(mesh, mesh.patches.tile, ground)[patch]
-    return surface
-
-
-def _tile_errors(mesh: Mesh, tile: int, ground: Heightmap) -> npt.NDArray[np.float32]:
-    """Return the largest vertical error of each tile, NaN where nothing was measured; (P,)."""
-    from ...measure.error import vertical_error  # a file needs no device
-
-    errors = vertical_error(mesh, ground, field=True).field
-    assert errors is not None
-    grid = TileGrid.of(ground, tile)
-    worst = np.abs(errors)
-    # neighbours share their border samples: the last line of each tile is the first of the next
-    for axis, corners in enumerate((grid.corner_rows, grid.corner_columns)):
-        within = np.fmax.reduceat(worst, corners[:-1], axis=axis)
-        worst = np.fmax(within, worst.take(corners[1:], axis=axis))
-    return worst.ravel()
 
 
 def _write_obj(mesh: Mesh, path: Path) -> None:
@@ -203,7 +138,7 @@ def _write_with(writer: Any, mesh: Mesh, path: Path) -> None:
     for source in (writer, writer.GetExecutive()):
         source.AddObserver("ErrorEvent", lambda *event: complaints.append(event))
     writer.SetFileName(str(path))
-    writer.SetInputData(to_pyvista(mesh))
+    writer.SetInputData(mesh.to_pyvista())
     if not writer.Write() or complaints:
         # below 20000 VTK's codes are the system's
         code = writer.GetErrorCode()

@@ -11,7 +11,7 @@ import io
 import json
 import math
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from importlib.metadata import version
 from itertools import count
 from pathlib import Path
@@ -30,6 +30,7 @@ from ...terrain.lod import (
     MaxErrorLod,
     ScreenErrorLod,
 )
+from .outcome import SweepReport
 from .page import comparison_page
 from .plots import save_plots
 from .sweep import (
@@ -56,39 +57,6 @@ _QUANTITIES: Final = {
     "mesh_bytes": "bytes",
     "device_bytes": "bytes",
 }
-
-
-@dataclass(frozen=True, eq=False)
-class SweepReport:
-    """What a comparison found and wrote.
-
-    Attributes
-    ----------
-    course : Course
-        Ground and cameras.
-    sweep, tiles, partitionings : list of Result
-        Every contender at one tile size; the promises at every tile size; distance LOD in every
-        partitioning.
-    findings, speeds : list of str
-        Sentences: those that hold for every run, and those about time.
-    missing : list of str
-        Peers that are not installed.
-    files : dict of str to Path
-        ``html``, ``json``, ``csv``, ``times``, the plots, and pictures where this machine draws.
-    """
-
-    course: Course
-    sweep: list[Result]
-    tiles: list[Result]
-    partitionings: list[Result]
-    findings: list[str]
-    speeds: list[str]
-    missing: list[str]
-    files: dict[str, Path]
-
-    @property
-    def results(self) -> list[Result]:
-        return [*self.sweep, *self.tiles, *self.partitionings]
 
 
 def compare_all(

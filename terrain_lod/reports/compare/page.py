@@ -7,7 +7,7 @@ from html import escape
 from importlib.metadata import version
 from importlib.resources import files
 from string import Template
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from ..html import (
     card,
@@ -18,10 +18,8 @@ from ..html import (
     section,
 )
 from ..page import css_ramp
+from .outcome import SweepReport
 from .trials import Result
-
-if TYPE_CHECKING:
-    from .compare import SweepReport
 
 _HEADS: Final = (
     "",
