@@ -150,7 +150,7 @@ def ladder(megapixels: list[int], tiles: list[int], rounds: int) -> None:
             samples = int(1024 * np.sqrt(size))
             heights = np.random.default_rng(0).random((samples, samples), np.float32)
             terrain = tl.Terrain(tl.Heightmap(heights), tile=tile, device=device)
-            parts = terrain._ground, terrain.grid, terrain._analysis
+            parts = terrain._tiles.ground, terrain._tiles.analysis
             works[size] = partial(ladder_on_device, *parts)
             works[size]()
         device.finish()

@@ -77,8 +77,10 @@ def queries(terrain: tl.Terrain, count: int) -> None:
 def updates(terrain: tl.Terrain) -> None:
     """Print what replacing samples costs, against analysing everything."""
     anew = seconds(lambda: tl.Terrain(terrain.ground, device=terrain.device), rounds=3)
-    ladder = seconds(lambda: tl.Terrain(terrain.ground, device=terrain.device)._ladder, rounds=2)
-    terrain._ladder  # noqa: B018
+    ladder = seconds(
+        lambda: tl.Terrain(terrain.ground, device=terrain.device)._with_ladder(), rounds=2
+    )
+    terrain._with_ladder()
     print(f"  made anew {anew * 1e3:.1f} ms, with its ladder {ladder * 1e3:.1f} ms")
     for side in (1, 30, 300):
         part = slice(100, 100 + side)

@@ -9,6 +9,7 @@ Prints device times, medians of interleaved rounds, and ratios within the run.
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from functools import partial
 from statistics import median
 
@@ -19,7 +20,9 @@ from measure import bare_copy, bare_read, interleaved, ratio
 from terrain_lod.ground.grid import TileGrid
 from terrain_lod.terrain.analysis import analyse_on_device
 from terrain_lod.terrain.domain import displace_on_device
+from terrain_lod.terrain.hull import hull_on_device
 from terrain_lod.terrain.ladder import ladder_on_device
+from terrain_lod.terrain.meshing import pattern_on_device
 
 
 def fractal(samples: int) -> tl.Heightmap:
@@ -32,14 +35,14 @@ def fractal(samples: int) -> tl.Heightmap:
 def analysis(samples: int, device: tl.Device) -> None:
     """Print what analysing costs, in bare reads of the raster."""
     terrain = tl.Terrain(fractal(samples), device=device)
-    ground = terrain._ground
+    ground = terrain._tiles.ground
     grids = {tile: TileGrid.of(terrain.ground, tile) for tile in (15, 31, 63)}
     times = interleaved(
         device,
         {
             "bare read": bare_read(device, ground.heights),
             **{
-                f"tiles of {tile}": lambda grid=grid: analyse_on_device(ground, grid)
+                f"tiles of {tile}": partial(analyse_on_device, replace(ground, grid=grid))
                 for tile, grid in grids.items()
             },
         },
@@ -59,15 +62,18 @@ def million_triangles(samples: int, device: tl.Device) -> None:
     x, y, z = terrain.ground.centre
     camera = tl.Camera((x, y, z + 3000), (x + 2000, y - 2000, z))
     lod = tl.DistanceLod(maximum=_maximum_for_a_million(terrain, camera))
-    factors = terrain._factors(camera, lod, "min", False)
-    pattern = terrain._pattern(factors, "fractional_odd")
+    tiles = terrain._tiles
+    hull = partial(hull_on_device, tiles, lod, camera, cull=False)
+    factors = hull()
+    tessellate = partial(pattern_on_device, tiles, factors, "fractional_odd")
+    pattern = tessellate()
     points, triangles = pattern.points.shape[0], pattern.primitives.shape[0]
     # positions and normals, and the triangles' indices
     nbytes = points * 24 + triangles * 12
     stages = {
-        "hull": lambda: terrain._factors(camera, lod, "min", False),
-        "tessellate": lambda: terrain._pattern(factors, "fractional_odd"),
-        "displace": lambda: displace_on_device(terrain._ground, terrain.grid, pattern),
+        "hull": hull,
+        "tessellate": tessellate,
+        "displace": partial(displace_on_device, tiles, pattern),
     }
     times = interleaved(device, {**stages, "bare copy": bare_copy(device, nbytes)})
     times["in all"] = [sum(round_) for round_ in zip(*(times[s] for s in stages), strict=True)]
@@ -84,8 +90,10 @@ def _maximum_for_a_million(terrain: tl.Terrain, camera: tl.Camera) -> float:
     low, high = 1.0, 15.0
     for _ in range(12):
         middle = (low + high) / 2
-        factors = terrain._factors(camera, tl.DistanceLod(maximum=middle), "min", False)
-        count = terrain._pattern(factors, "fractional_odd").primitives.shape[0]
+        lod = tl.DistanceLod(maximum=middle)
+        factors = hull_on_device(terrain._tiles, lod, camera, cull=False)
+        pattern = pattern_on_device(terrain._tiles, factors, "fractional_odd")
+        count = pattern.primitives.shape[0]
         low, high = (middle, high) if count < 1_000_000 else (low, middle)
     return high
 
@@ -109,14 +117,13 @@ def with_detail(samples: int, steps: int, device: tl.Device) -> None:
         print(f"{name}: {(device.allocated - before) / 2**20:.1f} MiB on the device")
     works = {}
     for name, terrain in terrains.items():
-        whole = terrain._pattern(
-            terrain._factors(None, tl.UniformLod(5.0), "min", False), "fractional_odd"
-        )
-        parts = terrain._ground, terrain.grid
+        tiles = terrain._tiles
+        factors = hull_on_device(tiles, tl.UniformLod(5.0), None, cull=False)
+        whole = pattern_on_device(tiles, factors, "fractional_odd")
         works |= {
-            f"analyse, {name}": partial(analyse_on_device, *parts),
-            f"ladder, {name}": partial(ladder_on_device, *parts, terrain._analysis),
-            f"displace, {name}": partial(displace_on_device, *parts, whole),
+            f"analyse, {name}": partial(analyse_on_device, tiles.ground),
+            f"ladder, {name}": partial(ladder_on_device, tiles.ground, tiles.analysis),
+            f"displace, {name}": partial(displace_on_device, tiles, whole),
             f"mesh, {name}": partial(terrain.mesh, camera, lod=tl.ScreenErrorLod(2.0)),
         }
     times = interleaved(device, works, repeats=5)

@@ -7,7 +7,7 @@
 //     . . . . . . .     .  bilinear between them      and as many STEPS_DOWN
 //     o . . o . . o     everywhere plus a sample of the detail, which begins again after its last
 //
-// terrain_lod/relief.py does the same sums on the host, to the bit.
+// terrain_lod/ground/detail.py does the same sums on the host, to the bit.
 //
 // Built with: MASKED (0 or 1); DETAIL (0 or 1) and, where it is 1, STEPS_ACROSS, STEPS_DOWN,
 // DETAIL_ROWS and DETAIL_COLUMNS.

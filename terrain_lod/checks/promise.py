@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -43,7 +44,8 @@ def expected_ladder(case: Case) -> tuple[Array, Array, Array, Array]:
 def check_ladder(device: Device) -> Check:
     differences = []
     for case in cases():
-        found = ladder_on_device(case.upload(device), case.grid, case.upload_analysis(device))
+        tiles = case.tiles(device)
+        found = ladder_on_device(tiles.ground, tiles.analysis)
         arrays = found.tiles, found.inner, found.across, found.down
         for array, expected in zip(arrays, expected_ladder(case), strict=True):
             differences.append(largest_difference(array.host(), expected))
@@ -58,12 +60,10 @@ def begin(
         device.array(errors.astype(np.float32)) for errors in expected_ladder(case)
     )
     order = device.array(cheapest_first(case.grid.levels))
+    ladder = DeviceLadder(tiles, inner, across, down, order)
     return Selection.start(
-        case.upload(device),
-        case.grid,
-        case.upload_analysis(device),
-        DeviceLadder(tiles, inner, across, down, order),
-        camera_over(case).view(case.origin),
+        replace(case.tiles(device), ladder=ladder),
+        camera_over(case),
         metres=metres,
         pixels=pixels,
         cull=False,
@@ -110,8 +110,7 @@ def check_weights(device: Device) -> Check:
     for case in cases():
         camera = camera_over(case)
         strengths = {"horizon": 4.0, "silhouette": 3.0}
-        fits = case.upload_analysis(device)
-        found = weights_on_device(case.grid, fits, camera.view(case.origin), **strengths).host()
+        found = weights_on_device(case.tiles(device), camera, **strengths).host()
         expected = weights.weights(case.grid, case.fits, camera, case.origin, COLUMNS, **strengths)
         different += int(np.count_nonzero(np.abs(found - expected) > METRES))
         count += case.grid.count

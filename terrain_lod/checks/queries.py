@@ -21,12 +21,11 @@ _COUNT = 150
 def check_queries_ground(device: Device) -> Check:
     differences = []
     for case in cases():
-        ground, grid = case.upload(device), case.grid
+        tiles = case.tiles(device)
         points, (origins, directions) = _asked(case)
-        found = heights_on_device(ground, grid, case.origin, points)
+        found = heights_on_device(tiles, points)
         differences.append(largest_difference(found, queries_ground.heights(case.ground, points)))
-        fits = case.upload_analysis(device)
-        hits = rays_on_device(ground, grid, fits, case.origin, origins, directions)
+        hits = rays_on_device(tiles, origins, directions)
         expected = queries_ground.distances(case.ground, origins, directions)
         differences.append(largest_difference(hits.distance, expected))
     return Check(max(differences), METRES, "m")

@@ -25,17 +25,18 @@ from ..reference.terrain import (
 )
 from ..terrain.analysis import PLANES, analyse_on_device
 from ..terrain.buffers import DeviceAnalysis, DeviceGround
+from ..terrain.control_points import patches_on_device
 from ..terrain.domain import displace_on_device
 from ..terrain.holes import without_holes_on_device
-from ..terrain.hull import EDGE_RULES, hull_on_device, patches_on_device
+from ..terrain.hull import EDGE_RULES, hull_on_device
 from ..terrain.lod import (
     CoplanarityLod,
     DistanceLod,
     Lod,
-    Scene,
     ScreenAreaLod,
     UniformLod,
 )
+from ..terrain.tiles import DeviceTiles
 from ..tessellation.pattern import DevicePattern
 from .checkup import Check, largest_difference, unequal_rows
 
@@ -55,7 +56,6 @@ _LODS: Final[tuple[Lod, ...]] = (
     CoplanarityLod(),
     ScreenAreaLod(),
 )
-_SCENE: Final = Scene(diagonal=7000.0, rough_deviation=20.0)
 
 
 class Case:
@@ -82,19 +82,20 @@ class Case:
         self.origin = (*self.ground.origin, self.ground.base)
 
     def upload(self, device: Device) -> DeviceGround:
-        return DeviceGround.upload(self.relief, device)
+        return DeviceGround.upload(self.relief, DEFAULT_TILE, device)
 
     @cached_property
     def fits(self) -> list[analysis.TileFit]:
         return analysis.analyse(self.ground)
 
-    def upload_analysis(self, device: Device) -> DeviceAnalysis:
-        """Upload what the analysis kernel should have found."""
-        shape = (*self.grid.shape, 4)
-        planes, details = (values.astype(np.float32) for values in _outputs(self.fits))
-        return DeviceAnalysis(
-            device.array(planes.reshape(shape)), device.array(details.reshape(shape))
+    def tiles(self, device: Device) -> DeviceTiles:
+        """Upload the ground, and what the analysis kernel should have found."""
+        ground, shape = self.upload(device), (*self.grid.shape, 4)
+        planes, details = (
+            device.array(values.astype(np.float32).reshape(shape)) for values in _outputs(self.fits)
         )
+        fits = DeviceAnalysis("least_squares", planes, details)
+        return DeviceTiles(ground, fits, patches_on_device(ground, fits))
 
 
 @cache
@@ -117,7 +118,7 @@ def check_analysis(device: Device) -> Check:
         length = DEFAULT_TILE * max(case.ground.spacing)
         reach = np.array([length, length, length, 1.0])
         for plane in PLANES:
-            found = analyse_on_device(case.upload(device), case.grid, plane=plane)
+            found = analyse_on_device(case.upload(device), plane=plane)
             planes, details = _outputs(analysis.analyse(case.ground, plane=plane))
             differences.append(
                 largest_difference(found.planes.host().reshape(-1, 4) * reach, planes * reach)
@@ -129,8 +130,9 @@ def check_analysis(device: Device) -> Check:
 def check_control_points(device: Device) -> Check:
     differences = []
     for case in cases():
-        found = patches_on_device(case.upload(device), case.grid, fallback=-500.0)
-        expected = hull.control_points(case.ground, case.grid, -500.0)
+        found = case.tiles(device).patches
+        lowest = float(np.nanmin([fit.minimum for fit in case.fits]))
+        expected = hull.control_points(case.ground, case.grid, lowest)
         differences.append(largest_difference(found.control_points.host()[..., :3], expected))
     return Check(max(differences), METRES, "m")
 
@@ -141,16 +143,21 @@ def check_hull(device: Device) -> Check:
         ground, grid = case.ground, case.grid
         x, y, z = ground.centre
         camera = Camera((x - 300, y - 400, z + 500), (x + 500, y + 700, z), far=5e4)
-        view, eye = camera.view(case.origin), np.subtract(camera.eye, case.origin)
-        low = ground.height_range[0] - ground.base
-        patches = patches_on_device(case.upload(device), grid, fallback=low)
-        fits = case.upload_analysis(device)
+        eye, tiles = np.subtract(camera.eye, case.origin), case.tiles(device)
         for lod in _LODS:
             for edges in EDGE_RULES:
-                found = hull_on_device(grid, patches, fits, lod, _SCENE, view, edges=edges)
+                found = hull_on_device(tiles, lod, camera, edges=edges)
                 planes = camera.planes(case.origin)
                 edge, inside = hull.factors(
-                    ground, grid, case.fits, lod, _SCENE, eye, planes, edges=edges, camera=camera
+                    ground,
+                    grid,
+                    case.fits,
+                    lod,
+                    tiles.scene,
+                    eye,
+                    planes,
+                    edges=edges,
+                    camera=camera,
                 )
                 differences.append(largest_difference(found.edge.host(), edge))
                 differences.append(largest_difference(found.inside.host(), inside))
@@ -166,7 +173,7 @@ def check_domain(device: Device) -> Check:
         offsets = np.arange(0, len(points) + 1, count, dtype=np.uint32)
         none = device.zeros((0, 3), np.int32)
         pattern = DevicePattern(device.array(points), none, device.array(offsets), none)
-        found = displace_on_device(case.upload(device), grid, pattern)
+        found = displace_on_device(case.tiles(device), pattern)
         patch = np.repeat(np.arange(grid.count), count)
         positions, normals = domain.displace(case.ground, grid, points, patch)
         # a point in a cell without data has no height
@@ -199,9 +206,7 @@ def _unlike_holes(case: Case, device: Device) -> float:
         device.array(np.arange(0, len(points) + 1, side**2, dtype=np.uint32)),
         device.array(np.arange(0, len(triangles) + 1, len(cells), dtype=np.uint32)),
     )
-    found = without_holes_on_device(
-        case.upload(device), case.grid, case.upload_analysis(device), pattern
-    )
+    found = without_holes_on_device(case.tiles(device), pattern)
     expected = triangles[holes.kept(case.ground, case.grid, points, triangles, patch)]
     return unequal_rows(found.primitives.host(), expected)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Final
 
 import numpy as np
 import numpy.typing as npt
@@ -30,8 +29,6 @@ from .smooth import (
     from_device,
     view_for,
 )
-
-_RUNS: Final = 1024  # work-groups on a CPU, each with a run of patches
 
 
 def displace(
@@ -147,7 +144,7 @@ def displace_on_device(
     mesh, device = base.patches, base.patches.device
     group = device.group_size(32)
     shared = shared_normals(base.mesh.vertices, base.mesh.normals)
-    groups = mesh.count if device.is_gpu else min(mesh.count, _RUNS)
+    groups = device.runs(mesh.count)
     device.kernel("curved/displaced.cl", "displaced", GROUP=group)(
         (groups * group,),
         (group,),

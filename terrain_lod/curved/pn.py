@@ -20,7 +20,6 @@ from .adjacency import Adjacency
 from .patch_factors import EdgeFactor
 
 _GROUP: Final = 64
-_RUNS: Final = 1024  # work-groups on a CPU, each with a run of patches
 _LANES: Final = 8  # points that a CPU evaluates side by side
 # a cosine that nothing is turned away by
 _KEEP_ALL: Final = 2.0
@@ -216,7 +215,7 @@ def _vertices(
         device.empty((count, 3), np.float32), device.empty((count, 3), np.float32)
     )
     group = device.group_size(32)
-    groups = patches if device.is_gpu else min(patches, _RUNS)
+    groups = device.runs(patches)
     device.kernel(f"curved/{stage}.cl", stage, GROUP=group, **defines)(
         (groups * group,),
         (group,),

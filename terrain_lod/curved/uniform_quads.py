@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Final
 
 import numpy as np
 
@@ -14,8 +13,6 @@ from ..mesh.mesh import Mesh
 from ..mesh.vertices import DeviceVertices
 from ..tessellation.pattern import DevicePattern
 from ..tessellation.tessellator import tessellate_device
-
-_RUNS: Final = 1024  # work-groups on a CPU, each with a run of patches
 
 Evaluate = Callable[[DevicePattern, DeviceVertices, int, int], None]
 """Takes points, the vertices to fill, the work-items in all and those of a group."""
@@ -52,7 +49,7 @@ def uniform_mesh(
             device.empty((count, 3), np.float32), device.empty((count, 3), np.float32)
         )
         group = device.group_size(64)
-        groups = patches if device.is_gpu else min(patches, _RUNS)
+        groups = device.runs(patches)
         evaluate(pattern, vertices, groups * group, group)
         return Mesh(
             vertices.positions.host(),

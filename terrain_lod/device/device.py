@@ -30,6 +30,7 @@ import pyopencl as cl
 from ..errors import DeviceError, InputError
 from . import layout
 from .drivers import choose, info_of, named
+from .info import require_memory
 from .linker.offer import provide_linker
 from .memory import Memory
 from .parameters import Parameter
@@ -40,6 +41,7 @@ DEVICE_VARIABLE: Final = "TERRAIN_LOD_DEVICE"
 POCL: Final = "Portable Computing Language"
 
 _LANES: Final = 8  # of a CPU's vectors
+_RUNS: Final = 1024  # launching a group costs a CPU as much as a tile
 # programs that are kept built: ground at two tile sizes and a mesh beside it want no more. PoCL
 # holds 3 to 5 MB for each
 _KEPT: Final = 32
@@ -62,7 +64,7 @@ class Device:
             self.queue = cl.CommandQueue(
                 self.context, properties=cl.command_queue_properties.PROFILING_ENABLE
             )
-        self.memory = Memory(self.info, self.queue)
+        self.memory = Memory(self.info.memory, self.queue)
         self.lock = threading.RLock()  # of the built kernels
         self.has_doubles = "cl_khr_fp64" in handle.extensions.split()
         self._exact_division = bool(
@@ -102,6 +104,10 @@ class Device:
         """Work-items that share one tile or patch: `wanted` on a GPU, one on a CPU."""
         return wanted if self.is_gpu else 1
 
+    def runs(self, count: int) -> int:
+        """Work-groups for `count` tiles or patches: one each on a GPU, runs of them on a CPU."""
+        return count if self.is_gpu else min(count, _RUNS)
+
     @property
     def lanes(self) -> int:
         """Things that one work-item computes side by side; ``kernels/common/lanes.h``."""
@@ -122,7 +128,7 @@ class Device:
         DeviceMemoryError
             With the bytes wanted and had.
         """
-        self.memory.require(what, *nbytes)
+        require_memory(self.info, self.allocated, what, nbytes)
 
     def require_doubles(self, what: str) -> None:
         """Refuse `what` where the device has no 64-bit floats."""
@@ -148,7 +154,8 @@ class Device:
 
     def finish(self) -> None:
         """Wait until everything launched has ended."""
-        self.queue.finish()
+        with named("what was launched on", self.info.name):
+            self.queue.finish()
 
     # kernels
 

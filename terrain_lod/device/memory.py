@@ -8,14 +8,12 @@ from typing import Final
 import pyopencl as cl
 from pyopencl.tools import ImmediateAllocator, MemoryPool
 
-from .info import DeviceInfo, require_memory
-
 # larger allocations are given back at once
 _LARGEST_KEPT: Final = 2**28
 
 
 class Memory:
-    """The account of one device's memory.
+    """The account of one device's memory, of `nbytes` in all.
 
     Attributes
     ----------
@@ -23,9 +21,9 @@ class Memory:
         Bytes in use.
     """
 
-    def __init__(self, info: DeviceInfo, queue: cl.CommandQueue) -> None:
+    def __init__(self, nbytes: int, queue: cl.CommandQueue) -> None:
         self.allocated = 0
-        self._info, self._context = info, queue.context
+        self._whole, self._context = nbytes, queue.context
         self._lock = threading.RLock()  # an array may die, and be counted, in the middle of a call
         self._pool = MemoryPool(ImmediateAllocator(queue))
         self._lately = 0.0  # bytes in use at a time
@@ -35,10 +33,6 @@ class Memory:
         """Bytes in use through the pool, or kept in it for the next."""
         held: int = self._pool.managed_bytes
         return held
-
-    def require(self, what: str, *nbytes: int) -> None:
-        """Refuse allocations of `nbytes` each for `what` where the device cannot hold them."""
-        require_memory(self._info, self.allocated, what, nbytes)
 
     def allocate(self, nbytes: int) -> cl.MemoryObject:
         """Return memory, used before where there is some: pages new to a CPU cost most of all.
@@ -50,7 +44,7 @@ class Memory:
             held = self._pool.managed_bytes - self._pool.active_bytes
             # half of it is forgotten in ten meshes, of some thirty arrays each
             self._lately = max(0.998 * self._lately, self._pool.active_bytes + nbytes)
-            short = self._pool.managed_bytes + nbytes > self._info.memory // 2
+            short = self._pool.managed_bytes + nbytes > self._whole // 2
             if nbytes > _LARGEST_KEPT or held > 1.5 * self._lately or short:
                 self._pool.free_held()
             if nbytes > _LARGEST_KEPT:

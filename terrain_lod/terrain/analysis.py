@@ -101,53 +101,40 @@ def analyse(
     -----
     Zink, Pettineo, Hoxley: *Practical Rendering and Computation with Direct3D 11*, section 9.1.2.
     """
-    grid = TileGrid.of(ground, tile)
     one_of("plane", plane, PLANES)
-    uploaded = DeviceGround.upload(Relief(ground), device or Device.open())
-    return TileAnalysis.of(grid, analyse_on_device(uploaded, grid, plane=plane))
+    uploaded = DeviceGround.upload(Relief(ground), tile, device or Device.open())
+    return TileAnalysis.of(uploaded.grid, analyse_on_device(uploaded, plane=plane))
 
 
-def analyse_on_device(
-    ground: DeviceGround, grid: TileGrid, *, plane: str = "least_squares"
-) -> DeviceAnalysis:
+def analyse_on_device(ground: DeviceGround, *, plane: str = "least_squares") -> DeviceAnalysis:
     """Run the analysis kernel and leave its results on the device."""
-    device = ground.device
-    analysis = DeviceAnalysis(
-        device.empty((*grid.shape, 4), np.float32), device.empty((*grid.shape, 4), np.float32)
-    )
-    analyse_tiles(ground, grid, analysis, np.arange(grid.count, dtype=np.int32), plane=plane)
+    shape = (*ground.grid.shape, 4)
+    planes, details = (ground.device.empty(shape, np.float32) for _ in range(2))
+    analysis = DeviceAnalysis(one_of("plane", plane, PLANES), planes, details)
+    analyse_tiles(ground, analysis, np.arange(ground.grid.count, dtype=np.int32))
     return analysis
 
 
 def analyse_tiles(
-    ground: DeviceGround,
-    grid: TileGrid,
-    analysis: DeviceAnalysis,
-    tiles: npt.NDArray[np.int32],
-    *,
-    plane: str = "least_squares",
+    ground: DeviceGround, analysis: DeviceAnalysis, numbers: npt.NDArray[np.int32]
 ) -> None:
     """Analyse some tiles, by their numbers, into what is known of all."""
     device = ground.device
-    corners = one_of("plane", plane, PLANES) == "corners"
     group = device.group_size(64)
     kernel = device.kernel(
         "terrain/analysis.cl",
         "analysis",
-        TILE=grid.tile,
+        TILE=ground.grid.tile,
         GROUP=group,
-        CORNERS=int(corners),
+        CORNERS=int(analysis.plane == "corners"),
         **ground.defines,
     )
-    # a tile a group on a GPU; on a CPU launching a group costs as much as a tile
-    groups = len(tiles) if device.is_gpu else min(len(tiles), 256)
     kernel(
-        (groups * group,),
+        (device.runs(len(numbers)) * group,),
         (group,),
-        grid=grid.record(),
         **ground.arguments,
-        count=len(tiles),
-        tiles=device.array(tiles),
+        count=len(numbers),
+        tiles=device.array(numbers),
         planes=analysis.planes,
         details=analysis.details,
         scratch=group * 6 * 4,

@@ -3,64 +3,98 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from ..device.device import Device, DeviceArray
-from ..ground.heightmap import Heightmap
+from ..ground.grid import TileGrid
 from ..ground.relief import Relief
 
 
 @dataclass(frozen=True, eq=False)
 class DeviceGround:
-    """A heightmap, and what is laid over it.
+    """A heightmap, what is laid over it, and how it is cut into tiles.
 
     Attributes
     ----------
-    heights : DeviceArray, (R, C) float32
-    holes : DeviceArray, (R, C) uint8, or (1,) where data is everywhere
+    relief : Relief
+        What was uploaded.
+    grid : TileGrid
+        Of the sum of heightmap and detail: R x C samples, TR x TC tiles, P of them.
+    heights : DeviceArray, float32
+        Of the heightmap, as it is.
+    holes : DeviceArray, uint8, as `heights`, or (1,) where data is everywhere
         Not zero where there is no data.
-    masked : bool
     detail : DeviceArray, (DR, DC) float32, or None
         Added to the heights, see :class:`~terrain_lod.ground.relief.Relief`.
-    steps : (int, int)
-        Samples of the detail a cell, along x and y.
     """
 
+    relief: Relief
+    grid: TileGrid
     heights: DeviceArray
     holes: DeviceArray
-    masked: bool
     detail: DeviceArray | None
-    steps: tuple[int, int]
 
     @classmethod
-    def upload(cls, relief: Relief, device: Device) -> DeviceGround:
+    def upload(cls, relief: Relief, tile: int, device: Device) -> DeviceGround:
         """Copy `relief` to the device, or refuse it with the bytes wanted and had."""
         ground, detail = relief.ground, relief.detail
-        masked = ground.mask is not None
-        holes = ground.mask if ground.mask is not None else np.zeros(1, bool)
+        holes = np.zeros(1, bool) if ground.mask is None else ground.mask
         rows, columns = ground.shape
         device.require(f"a raster of {rows} x {columns}", ground.heights.nbytes, holes.nbytes)
         return cls(
+            relief,
+            TileGrid.of(relief, tile),
             device.array(ground.heights),
             device.array(holes.view(np.uint8)),
-            masked,
             None if detail is None else device.array(detail.heights),
-            relief.steps,
         )
 
+    def updated(self, relief: Relief, rows: slice) -> DeviceGround:
+        """Return another of these, of a relief that differs in `rows` of its heightmap alone."""
+        mask = relief.ground.mask
+        holes = self.holes
+        if mask is not None and self.masked:
+            holes = _rewritten(holes, mask.view(np.uint8), rows)
+        elif mask is not None or self.masked:
+            whole = np.zeros(1, bool) if mask is None else mask
+            holes = self.device.array(whole.view(np.uint8))
+        heights = _rewritten(self.heights, relief.ground.heights, rows)
+        return replace(self, relief=relief, heights=heights, holes=holes)
+
     @property
-    def arguments(self) -> dict[str, DeviceArray]:
+    def device(self) -> Device:
+        return self.heights.device
+
+    @property
+    def masked(self) -> bool:
+        """Whether data is missing anywhere."""
+        return self.relief.ground.mask is not None
+
+    @property
+    def origin(self) -> tuple[float, float, float]:
+        """World point that everything on the device is relative to."""
+        return (*self.relief.ground.origin, self.relief.base)
+
+    @property
+    def arguments(self) -> dict[str, Any]:
         """What every kernel that reads the ground takes of it, by the names of its arguments."""
         detail = self.heights if self.detail is None else self.detail
-        return {"heights": self.heights, "holes": self.holes, "detail_heights": detail}
+        return {
+            "grid": self.grid.record(),
+            "heights": self.heights,
+            "holes": self.holes,
+            "detail_heights": detail,
+        }
 
     @property
     def defines(self) -> dict[str, int]:
         """What every kernel that reads the ground is built with; ``kernels/terrain/ground.h``."""
         if self.detail is None:
             return {"MASKED": int(self.masked), "DETAIL": 0}
-        (across, down), (rows, columns) = self.steps, self.detail.shape
+        (across, down), (rows, columns) = self.relief.steps, self.detail.shape
         return {
             "MASKED": int(self.masked),
             "DETAIL": 1,
@@ -70,21 +104,12 @@ class DeviceGround:
             "DETAIL_COLUMNS": columns,
         }
 
-    def updated(self, ground: Heightmap, rows: slice) -> DeviceGround:
-        """Copy `rows` of a changed heightmap over those that are there; detail stays."""
-        start, masked = rows.start * ground.shape[1], ground.mask is not None
-        holes = self.holes
-        if ground.mask is not None and self.masked:
-            holes.write(ground.mask[rows].view(np.uint8), start)
-        elif masked != self.masked:
-            whole = np.zeros(1, bool) if ground.mask is None else ground.mask
-            holes = self.device.array(whole.view(np.uint8))
-        self.heights.write(ground.heights[rows], start)
-        return replace(self, holes=holes, masked=masked)
 
-    @property
-    def device(self) -> Device:
-        return self.heights.device
+def _rewritten(array: DeviceArray, values: npt.NDArray[Any], rows: slice) -> DeviceArray:
+    """Return a copy of (R, C) `array` with these rows of host `values`."""
+    other = array.copy()
+    other.write(values[rows], start=rows.start * array.shape[1])
+    return other
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,14 +118,21 @@ class DeviceAnalysis:
 
     Attributes
     ----------
+    plane : str
+        Which plane deviations are from.
     planes : DeviceArray, (TR, TC, 4) float32
         Unit normal, height at the tile's centre.
     details : DeviceArray, (TR, TC, 4) float32
         Deviation, minimum, maximum, samples without data.
     """
 
+    plane: str
     planes: DeviceArray
     details: DeviceArray
+
+    def copy(self) -> DeviceAnalysis:
+        """Return another of the same values."""
+        return replace(self, planes=self.planes.copy(), details=self.details.copy())
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,3 +179,7 @@ class DeviceLadder:
     def measured(self) -> dict[str, DeviceArray]:
         """Return the arrays that are measured, by their names."""
         return {name: getattr(self, name) for name in ("tiles", "inner", "across", "down")}
+
+    def copy(self) -> DeviceLadder:
+        """Return another ladder of the same errors."""
+        return replace(self, **{name: array.copy() for name, array in self.measured().items()})

@@ -2,21 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Final
-
 import numpy as np
 
-from ..ground.grid import TileGrid
 from ..mesh.vertices import DeviceVertices
 from ..tessellation.pattern import DevicePattern
-from .buffers import DeviceGround
-
-_RUNS: Final = 1024  # work-groups on a CPU, each with a run of patches
+from .tiles import DeviceTiles
 
 
-def displace_on_device(
-    ground: DeviceGround, grid: TileGrid, pattern: DevicePattern
-) -> DeviceVertices:
+def displace_on_device(tiles: DeviceTiles, pattern: DevicePattern) -> DeviceVertices:
     """Put every point of `pattern` on the ground.
 
     Heights are bilinear between samples; normals are the ground's own, from a Sobel operator in
@@ -24,8 +17,7 @@ def displace_on_device(
 
     Parameters
     ----------
-    ground : DeviceGround
-    grid : TileGrid
+    tiles : DeviceTiles
     pattern : DevicePattern
         Of quads, one a tile, row by row.
 
@@ -43,21 +35,19 @@ def displace_on_device(
     Zink, Pettineo, Hoxley: *Practical Rendering and Computation with Direct3D 11*, section 9.1.1,
     step 3.
     """
-    device = ground.device
+    device, ground, patches = tiles.device, tiles.ground, tiles.grid.count
     count = pattern.points.shape[0]
     device.require(f"{count} vertices", count * 12, count * 12)
     vertices = DeviceVertices(
         device.empty((count, 3), np.float32), device.empty((count, 3), np.float32)
     )
     group = device.group_size(64)
-    groups = grid.count if device.is_gpu else min(grid.count, _RUNS)
     kernel = device.kernel("terrain/domain.cl", "domain", GROUP=group, **ground.defines)
     kernel(
-        (groups * group,),
+        (device.runs(patches) * group,),
         (group,),
-        grid=grid.record(),
         **ground.arguments,
-        patches=grid.count,
+        patches=patches,
         point_offsets=pattern.point_offsets,
         points=pattern.points,
         positions=vertices.positions,

@@ -8,24 +8,19 @@ from typing import Final
 import numpy as np
 
 from ..device.scan import exclusive_scan
-from ..ground.grid import TileGrid
 from ..tessellation.pattern import DevicePattern
-from .buffers import DeviceAnalysis, DeviceGround
+from .tiles import DeviceTiles
 
 _GROUP: Final = 16
 
 
-def without_holes_on_device(
-    ground: DeviceGround, grid: TileGrid, analysis: DeviceAnalysis, pattern: DevicePattern
-) -> DevicePattern:
+def without_holes_on_device(tiles: DeviceTiles, pattern: DevicePattern) -> DevicePattern:
     """Return `pattern` without the triangles that share an area with a cell that lacks a sample.
 
     Parameters
     ----------
-    ground : DeviceGround
-        With holes.
-    grid : TileGrid
-    analysis : DeviceAnalysis
+    tiles : DeviceTiles
+        Of ground with holes.
     pattern : DevicePattern
         Of quads, one a tile, row by row.
 
@@ -34,16 +29,15 @@ def without_holes_on_device(
     DevicePattern
         The same points, fewer triangles.
     """
-    device = ground.device
+    device, ground, patches = tiles.device, tiles.ground, tiles.grid.count
     count = pattern.primitives.shape[0]
     kept = device.empty(count, np.uint8)
-    counts = device.empty(grid.count, np.uint32)
+    counts = device.empty(patches, np.uint32)
     device.kernel("terrain/holes.cl", "count_kept", **ground.defines)(
-        (grid.count,),
+        (patches,),
         (_GROUP,),
-        grid=grid.record(),
         **ground.arguments,
-        details=analysis.details,
+        details=tiles.analysis.details,
         points=pattern.points,
         triangle_offsets=pattern.primitive_offsets,
         triangles=pattern.primitives,
@@ -53,9 +47,9 @@ def without_holes_on_device(
     offsets, total = exclusive_scan(counts)
     triangles = device.empty((total, 3), np.int32)
     device.kernel("terrain/holes.cl", "copy_kept", **ground.defines)(
-        (grid.count,),
+        (patches,),
         (_GROUP,),
-        patches=grid.count,
+        patches=patches,
         triangle_offsets=pattern.primitive_offsets,
         triangles=pattern.primitives,
         kept=kept,

@@ -64,9 +64,7 @@ def empty_ladder(device: Device, grid: TileGrid) -> DeviceLadder:
     )
 
 
-def ladder_on_device(
-    ground: DeviceGround, grid: TileGrid, analysis: DeviceAnalysis
-) -> DeviceLadder:
+def ladder_on_device(ground: DeviceGround, analysis: DeviceAnalysis) -> DeviceLadder:
     """Measure every tile and every edge at every level; one pass over the raster.
 
     Raises
@@ -74,8 +72,8 @@ def ladder_on_device(
     DeviceMemoryError
         If the device cannot hold the ladder.
     """
-    ladder = empty_ladder(ground.device, grid)
-    measure_tiles(ground, grid, analysis, ladder, np.arange(grid.count, dtype=np.int32))
+    ladder = empty_ladder(ground.device, ground.grid)
+    measure_tiles(ground, analysis, ladder, np.arange(ground.grid.count, dtype=np.int32))
     return ladder
 
 
@@ -92,22 +90,21 @@ def edges_of(grid: TileGrid, tiles: npt.NDArray[np.int32]) -> tuple[npt.NDArray[
 
 def measure_tiles(
     ground: DeviceGround,
-    grid: TileGrid,
     analysis: DeviceAnalysis,
     ladder: DeviceLadder,
-    tiles: npt.NDArray[np.int32],
+    numbers: npt.NDArray[np.int32],
 ) -> None:
-    """Measure some tiles and their edges into what is known of all."""
-    device, levels = ground.device, grid.levels
+    """Measure some tiles, by their numbers, and their edges into what is known of all."""
+    device, grid = ground.device, ground.grid
+    levels = grid.levels
     lanes = device.lanes
     defines = {"TILE": grid.tile, "LEVELS": levels, "LANES": lanes, **ground.defines}
-    groups = tile_groups(grid, tiles, lanes)
+    groups = tile_groups(grid, numbers, lanes)
     local = _GROUP if device.is_gpu else 1
     device.kernel("terrain/ladder.cl", "ladder", **defines)(
         # a GPU has an item for every factor along u
         (len(groups), levels if device.is_gpu else 1),
         (local, 1),
-        grid=grid.record(),
         **ground.arguments,
         details=analysis.details,
         groups=device.array(groups),
@@ -115,12 +112,11 @@ def measure_tiles(
         errors=ladder.tiles,
         inner_errors=ladder.inner,
     )
-    edges = edges_of(grid, tiles)
+    edges = edges_of(grid, numbers)
     for vertical, errors in enumerate((ladder.across, ladder.down)):
         device.kernel("terrain/ladder.cl", "edge_ladder", **defines)(
             (len(edges[vertical]),),
             (local,),
-            grid=grid.record(),
             vertical=vertical,
             count=len(edges[vertical]),
             edges=device.array(edges[vertical]),

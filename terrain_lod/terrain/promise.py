@@ -8,22 +8,21 @@ meshed in full, which is exact. What is promised is what was measured last.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from ..camera.camera import Camera
 from ..device.device import DeviceArray
 from ..errors import InputError
-from ..ground.grid import TileGrid
 from ..mesh.mesh import Achieved
 from ..tessellation.factors import DeviceFactors
 from ..tessellation.pattern import DevicePattern
-from .buffers import DeviceAnalysis, DeviceGround, DeviceLadder
 from .lod import PromiseLod
+from .meshing import pattern_on_device
 from .selection import Selection
+from .tiles import DeviceTiles
 
 # shares of what is allowed shrink so fast that full resolution comes well before this
 _MOST_ROUNDS: Final = 40
@@ -54,13 +53,11 @@ class Promise:
 
     Attributes
     ----------
-    ground, grid, analysis, ladder
-        The terrain's.
-    view : layout.VIEW record
-    has_camera : bool
-        Whether `view` is a camera's: errors can be in pixels then.
-    tessellate : callable
-        From factors to the pattern that will be displaced, holes left out.
+    tiles : DeviceTiles
+        With their ladder.
+    camera : Camera or None
+        Errors can be in pixels where there is one.
+    partitioning : str
     edges : str
         Rule for the factors of edges.
     cull : bool
@@ -68,13 +65,9 @@ class Promise:
         How many times a tile's error counts.
     """
 
-    ground: DeviceGround
-    grid: TileGrid
-    analysis: DeviceAnalysis
-    ladder: DeviceLadder
-    view: npt.NDArray[Any]
-    has_camera: bool
-    tessellate: Callable[[DeviceFactors], DevicePattern]
+    tiles: DeviceTiles
+    camera: Camera | None
+    partitioning: str
     edges: str
     cull: bool
     weights: DeviceArray | None = None
@@ -84,17 +77,14 @@ class Promise:
         if lod.triangles is None:
             return self._within(lod.metres, lod.pixels)
         # metres ask for an error in metres, whatever the camera sees
-        if self.has_camera and not lod.metres:
+        if self.camera is not None and not lod.metres:
             return self._least_error(lod.triangles, lod.pixels, in_pixels=True)
         return self._least_error(lod.triangles, lod.metres, in_pixels=False)
 
     def _within(self, metres: float, pixels: float) -> Kept:
         selection = Selection.start(
-            self.ground,
-            self.grid,
-            self.analysis,
-            self.ladder,
-            self.view,
+            self.tiles,
+            self.camera,
             metres=metres,
             pixels=pixels,
             edges=self.edges,
@@ -104,15 +94,13 @@ class Promise:
         for rounds in range(1, _MOST_ROUNDS + 1):
             selection.choose()
             # what did not change was measured before
-            pattern = self.tessellate(
-                selection.factors if rounds == 1 else selection.only_changed()
-            )
+            pattern = self._pattern(selection.factors if rounds == 1 else selection.only_changed())
             selection.measure(pattern)
             exceeding, refinable = selection.tighten()
             if refinable == 0:
                 break
         if rounds > 1:
-            pattern = self.tessellate(selection.factors)
+            pattern = self._pattern(selection.factors)
         worst = selection.measured.host()
         allowed = selection.allowed.host()
         # the error in pixels grows faster than that in metres, so their ratio bounds it
@@ -126,6 +114,9 @@ class Promise:
             rounds=rounds,
         )
         return Kept(selection.factors, pattern, achieved)
+
+    def _pattern(self, factors: DeviceFactors) -> DevicePattern:
+        return pattern_on_device(self.tiles, factors, self.partitioning)
 
     def _least_error(self, triangles: int, enough: float, *, in_pixels: bool) -> Kept:
         """Return the mesh of at most so many `triangles` with the least error above `enough`."""

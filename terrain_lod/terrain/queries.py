@@ -7,25 +7,23 @@ from typing import Any, Final
 import numpy as np
 
 from ..device.device import Kernel
-from ..ground.grid import TileGrid
 from ..mesh.hits import Array, Hits
-from .buffers import DeviceAnalysis, DeviceGround
+from .buffers import DeviceGround
+from .tiles import DeviceTiles
 
 _GROUP: Final = 64
 # cells within which a point is on a sample
 _NEAR: Final = 2.0**-26
 
-Point = tuple[float, float, float]
 
-
-def heights_on_device(ground: DeviceGround, grid: TileGrid, origin: Point, points: Array) -> Array:
+def heights_on_device(tiles: DeviceTiles, points: Array) -> Array:
     """Return elevations at world points (N, 2); NaN outside and where a sample is missing."""
-    device = ground.device
+    device = tiles.device
     found = device.empty(len(points), np.float64)
-    _kernel("ground_heights", ground)(
+    _kernel("ground_heights", tiles.ground)(
         (len(points),),
         (_GROUP,),
-        **_raster(ground, grid, origin),
+        **_raster(tiles.ground),
         count=len(points),
         points=device.array(points),
         found=found,
@@ -33,35 +31,28 @@ def heights_on_device(ground: DeviceGround, grid: TileGrid, origin: Point, point
     return found.host()
 
 
-def rays_on_device(
-    ground: DeviceGround,
-    grid: TileGrid,
-    analysis: DeviceAnalysis,
-    origin: Point,
-    origins: Array,
-    directions: Array,
-) -> Hits:
+def rays_on_device(tiles: DeviceTiles, origins: Array, directions: Array) -> Hits:
     """Return what rays from world `origins` along unit `directions`, (N, 3), meet first."""
-    device, count = ground.device, len(origins)
+    device, count = tiles.device, len(origins)
     distances, normals = device.empty(count, np.float64), device.empty((count, 3), np.float64)
-    tiles = device.empty(count, np.int32)
-    _kernel("ground_rays", ground)(
+    numbers = device.empty(count, np.int32)
+    _kernel("ground_rays", tiles.ground)(
         (count,),
         (_GROUP,),
-        **_raster(ground, grid, origin),
+        **_raster(tiles.ground),
         count=count,
-        details=analysis.details,
+        details=tiles.analysis.details,
         origins=device.array(origins),
         directions=device.array(directions),
         ts=distances,
-        tiles=tiles,
+        tiles=numbers,
         normals=normals,
     )
     distance = distances.host()
     return Hits(
         position=origins + distance[:, None] * directions,
         distance=distance,
-        tile=tiles.host(),
+        tile=numbers.host(),
         triangle=np.full(count, -1, np.int32),
         factor=np.full((count, 2), np.nan, np.float32),
         normal=normals.host(),
@@ -73,15 +64,15 @@ def _kernel(name: str, ground: DeviceGround) -> Kernel:
     return ground.device.kernel("terrain/queries.cl", name, NEAR=_NEAR, **ground.defines)
 
 
-def _raster(ground: DeviceGround, grid: TileGrid, origin: Point) -> dict[str, Any]:
+def _raster(ground: DeviceGround) -> dict[str, Any]:
     """Return the arguments that both kernels share."""
-    x0, y0, base = origin
+    x0, y0, base = ground.origin
+    dx, dy = ground.grid.spacing
     return {
-        "grid": grid.record(),
         **ground.arguments,
         "x0": x0,
         "y0": y0,
         "base": base,
-        "dx": grid.spacing[0],
-        "dy": grid.spacing[1],
+        "dx": dx,
+        "dy": dy,
     }

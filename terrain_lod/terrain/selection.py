@@ -3,24 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
 from ..arguments import one_of
+from ..camera.camera import Camera
 from ..device import layout
 from ..device.device import DeviceArray, Kernel
-from ..ground.grid import TileGrid
 from ..tessellation.factors import DeviceFactors
 from ..tessellation.pattern import DevicePattern
-from .buffers import DeviceAnalysis, DeviceGround, DeviceLadder
+from .buffers import DeviceGround, DeviceLadder
+from .tiles import DeviceTiles
 
 # how an edge's factor is chosen: by its own error, or from the two tiles' factors
 EDGE_RULES: Final = {"edge": 0, "min": 1, "max": 2}
 
 _GROUP: Final = 64
-_RUNS: Final = 1024  # work-groups on a CPU, each with a run of patches
 
 # what the ladder predicts differs from what is measured by roundings, of places above all
 FIRST_SHARE: Final = 0.998
@@ -41,14 +40,13 @@ def edge_share(tile: int) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Selection:
-    """What a selection works on: the terrain's constants, and its state.
+    """What a selection works on, and its state.
 
     Attributes
     ----------
-    ground : DeviceGround
-    grid : TileGrid
-    analysis : DeviceAnalysis
+    tiles : DeviceTiles
     ladder : DeviceLadder
+        Theirs.
     edges : str
         A key of :data:`EDGE_RULES`.
     allowed : DeviceArray, (P,) float32
@@ -63,9 +61,7 @@ class Selection:
         Error of each tile's triangles.
     """
 
-    ground: DeviceGround
-    grid: TileGrid
-    analysis: DeviceAnalysis
+    tiles: DeviceTiles
     ladder: DeviceLadder
     edges: str
     allowed: DeviceArray
@@ -77,11 +73,8 @@ class Selection:
     @classmethod
     def start(
         cls,
-        ground: DeviceGround,
-        grid: TileGrid,
-        analysis: DeviceAnalysis,
-        ladder: DeviceLadder,
-        view: npt.NDArray[Any],
+        tiles: DeviceTiles,
+        camera: Camera | None,
         *,
         metres: float,
         pixels: float,
@@ -94,64 +87,63 @@ class Selection:
         An error counts as many times as the tile's weight, (P,) float32, says; 1 if not given.
         """
         one_of("edge rule", edges, EDGE_RULES)
-        device = ground.device
-        allowed = device.empty(grid.count, np.float32)
-        _kernel(ground, grid, edges, "allow")(
-            (grid.count,),
+        assert tiles.ladder is not None  # who promises has it measured
+        device, count = tiles.device, tiles.grid.count
+        allowed = device.empty(count, np.float32)
+        _kernel(tiles.ground, edges, "allow")(
+            (count,),
             (_GROUP,),
-            grid=grid.record(),
-            view=view,
+            grid=tiles.grid.record(),
+            view=tiles.view(camera),
             cull=int(cull),
             metres=metres,
             pixels=pixels,
-            details=analysis.details,
-            weights=device.empty(grid.count, np.float32).fill(1.0) if weights is None else weights,
+            details=tiles.analysis.details,
+            weights=device.empty(count, np.float32).fill(1.0) if weights is None else weights,
             allowed=allowed,
         )
         return cls(
-            ground,
-            grid,
-            analysis,
-            ladder,
+            tiles,
+            tiles.ladder,
             edges,
             allowed,
-            share=device.empty(grid.count, np.float32).fill(FIRST_SHARE),
+            share=device.empty(count, np.float32).fill(FIRST_SHARE),
             # no factor is -1: the first choice changes every tile
             factors=DeviceFactors(
-                device.empty((grid.count, layout.EDGES), np.float32).fill(-1.0),
-                device.empty((grid.count, layout.INSIDES), np.float32).fill(-1.0),
+                device.empty((count, layout.EDGES), np.float32).fill(-1.0),
+                device.empty((count, layout.INSIDES), np.float32).fill(-1.0),
             ),
-            changed=device.empty(grid.count, np.uint8),
-            measured=device.zeros(grid.count, np.float32),
+            changed=device.empty(count, np.uint8),
+            measured=device.zeros(count, np.float32),
         )
 
     def choose(self) -> None:
         """Choose edges, and the cheapest insides beside them, that the shares allow."""
+        grid, ladder = self.tiles.grid, self.ladder
         self._kernel("select_edges")(
-            (self.grid.count,),
+            (grid.count,),
             (_GROUP,),
-            grid=self.grid.record(),
-            edge_share=edge_share(self.grid.tile),
+            grid=grid.record(),
+            edge_share=edge_share(grid.tile),
             allowed=self.allowed,
             share=self.share,
-            details=self.analysis.details,
-            errors=self.ladder.tiles,
-            across_errors=self.ladder.across,
-            down_errors=self.ladder.down,
+            details=self.tiles.analysis.details,
+            errors=ladder.tiles,
+            across_errors=ladder.across,
+            down_errors=ladder.down,
             edge_factors=self.factors.edge,
             changed=self.changed,
         )
         self._kernel("fit_inside")(
-            (self.grid.count,),
+            (grid.count,),
             (_GROUP,),
-            grid=self.grid.record(),
-            **self.ground.arguments,
+            **self.tiles.ground.arguments,
             allowed=self.allowed,
             share=self.share,
             measured=self.measured,
-            errors=self.ladder.tiles,
-            inner_errors=self.ladder.inner,
-            order=self.ladder.order,
+            errors=ladder.tiles,
+            inner_errors=ladder.inner,
+            order=ladder.order,
             edge_factors=self.factors.edge,
             inside_factors=self.factors.inside,
             changed=self.changed,
@@ -159,7 +151,7 @@ class Selection:
 
     def only_changed(self) -> DeviceFactors:
         """Return the factors chosen last with every other tile culled: what is to be measured."""
-        edge = self.ground.device.empty(self.factors.edge.shape, np.float32)
+        edge = self.tiles.device.empty(self.factors.edge.shape, np.float32)
         self._kernel("only_changed")(
             (edge.size,),
             (_GROUP,),
@@ -178,11 +170,12 @@ class Selection:
         exceeding, refinable : int
             Tiles that exceed, and those of them that were not meshed in full yet.
         """
-        counts = self.ground.device.zeros(2, np.uint32)
+        counts = self.tiles.device.zeros(2, np.uint32)
+        count = self.tiles.grid.count
         self._kernel("tighten")(
-            (self.grid.count,),
+            (count,),
             (_GROUP,),
-            patches=self.grid.count,
+            patches=count,
             least_share=_LEAST_SHARE,
             allowed=self.allowed,
             measured=self.measured,
@@ -194,16 +187,14 @@ class Selection:
 
     def measure(self, pattern: DevicePattern) -> None:
         """Measure the triangles of the tiles that changed, at every sample."""
-        ground, device = self.ground, self.ground.device
+        ground, grid, device = self.tiles.ground, self.tiles.grid, self.tiles.device
         group = device.group_size(64)
-        groups = self.grid.count if device.is_gpu else min(self.grid.count, _RUNS)
-        defines = {"TILE": self.grid.tile, "GROUP": group, "LANES": device.lanes}
+        defines = {"TILE": grid.tile, "GROUP": group, "LANES": device.lanes}
         device.kernel("terrain/tile_error.cl", "tile_error", **defines, **ground.defines)(
-            (groups * group,),
+            (device.runs(grid.count) * group,),
             (group,),
-            grid=self.grid.record(),
             **ground.arguments,
-            patches=self.grid.count,
+            patches=grid.count,
             changed=self.changed,
             point_offsets=pattern.point_offsets,
             points=pattern.points,
@@ -215,9 +206,9 @@ class Selection:
         )
 
     def _kernel(self, name: str) -> Kernel:
-        return _kernel(self.ground, self.grid, self.edges, name)
+        return _kernel(self.tiles.ground, self.edges, name)
 
 
-def _kernel(ground: DeviceGround, grid: TileGrid, edges: str, name: str) -> Kernel:
-    defines = {"LEVELS": grid.levels, "EDGE_RULE": EDGE_RULES[edges], **ground.defines}
+def _kernel(ground: DeviceGround, edges: str, name: str) -> Kernel:
+    defines = {"LEVELS": ground.grid.levels, "EDGE_RULE": EDGE_RULES[edges], **ground.defines}
     return ground.device.kernel("terrain/selection.cl", name, **defines)

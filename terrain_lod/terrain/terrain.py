@@ -10,9 +10,9 @@ Data stays on the device between the stages and comes down once, as a Mesh.
 
 from __future__ import annotations
 
-from functools import cached_property
+import threading
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -20,34 +20,23 @@ import numpy.typing as npt
 from ..arguments import one_of
 from ..camera.camera import Camera
 from ..device import layout
-from ..device.device import Device, DeviceArray
-from ..device.timeline import Timeline
+from ..device.device import Device
 from ..errors import InputError
 from ..ground.grid import TileGrid
 from ..ground.heightmap import Heightmap
 from ..ground.relief import Relief
 from ..mesh.hits import Hits, checked_points, checked_rays
-from ..mesh.mesh import Achieved, Mesh, Patches
-from ..mesh.vertices import DeviceVertices
-from ..tessellation.factors import DeviceFactors
-from ..tessellation.pattern import DevicePattern
-from ..tessellation.tessellator import tessellate_device
-from .analysis import TileAnalysis, analyse_on_device, analyse_tiles
-from .buffers import DeviceGround, DeviceLadder
-from .domain import displace_on_device
-from .holes import without_holes_on_device
-from .hull import displace_corners, hull_on_device, patches_on_device
-from .ladder import empty_ladder, ladder_on_device, measure_tiles
+from ..mesh.mesh import Mesh
+from .analysis import TileAnalysis
+from .buffers import DeviceGround
+from .hull import hull_on_device
+from .ladder import empty_ladder
 from .ladder_file import fingerprint, read_ladder, write_ladder
-from .lod import (
-    Lod,
-    PromiseLod,
-    Scene,
-    ScreenErrorLod,
-    Weighted,
-)
+from .lod import Lod, PromiseLod, Scene, ScreenErrorLod, UniformLod, Weighted
+from .meshing import mesh_of, pattern_on_device
 from .promise import Promise
 from .queries import heights_on_device, rays_on_device
+from .tiles import DeviceTiles
 from .weights import weights_on_device
 
 
@@ -80,6 +69,11 @@ class Terrain:
         If `tile` or `plane` is not one of these, or the detail does not fit the ground.
     DeviceMemoryError
         If the device cannot hold the raster.
+
+    Notes
+    -----
+    Threads may share one: each call works on the ground as it was when the call began, and an
+    update is seen whole or not at all.
     """
 
     def __init__(
@@ -91,13 +85,10 @@ class Terrain:
         plane: str = "least_squares",
         device: Device | None = None,
     ) -> None:
-        self._relief = Relief(ground, detail)
-        self.device = device or Device.open()
-        self._ground = DeviceGround.upload(self._relief, self.device)
-        self.grid = TileGrid.of(self._relief, tile)
-        self._plane = plane
-        self._analysis = analyse_on_device(self._ground, self.grid, plane=plane)
-        self._patches = patches_on_device(self._ground, self.grid, self._lowest)
+        relief, device = Relief(ground, detail), device or Device.open()
+        # all that is known of the ground: whoever reads it takes it once, and changes replace it
+        self._tiles = DeviceTiles.of(DeviceGround.upload(relief, tile, device), plane=plane)
+        self._changing = threading.Lock()
 
     def update(self, rows: slice, columns: slice, heights: npt.ArrayLike) -> int:
         """Replace samples of the ground, and analyse the tiles that they touch anew.
@@ -105,7 +96,8 @@ class Terrain:
         Detail stays what it is: samples and heights are those of the ground without it.
 
         All that is known of these tiles is as if the terrain had been made of the new ground, to
-        the bit; :attr:`ground` is that new ground. On an error nothing has changed.
+        the bit; :attr:`ground` is that new ground. On an error nothing has changed. Meanwhile the
+        device holds the terrain twice.
 
         Parameters
         ----------
@@ -124,19 +116,15 @@ class Terrain:
         InputError
             If the slices reach out of the raster, the shape is another, heights are infinite, or
             no data would be left.
+        DeviceMemoryError
+            If the device cannot hold the terrain twice.
         """
-        ground, rows, columns = self.ground.with_elevations(rows, columns, heights)
-        self._relief = Relief(ground, self.detail)
-        tiles = self.grid.touching(*self._relief.touching(rows, columns))
-        self._ground = self._ground.updated(ground, rows)
-        analyse_tiles(self._ground, self.grid, self._analysis, tiles, plane=self._plane)
-        # corners without data stand at the lowest height there is: all of them may move
-        displace_corners(self._ground, self.grid, self._patches, self._lowest)
-        if "_ladder" in self.__dict__:
-            measure_tiles(self._ground, self.grid, self._analysis, self._ladder, tiles)
-        for known in ("analysis", "scene"):
-            self.__dict__.pop(known, None)
-        return len(tiles)
+        with self._changing:
+            ground, rows, columns = self.ground.with_elevations(rows, columns, heights)
+            tiles, count = self._tiles.updated(ground, rows, columns)
+            self.device.finish()  # what fails there fails before anything has changed
+            self._tiles = tiles
+        return count
 
     def save_ladder(self, path: str | Path) -> Path:
         """Write the error ladder, which promises are kept with, to a file beside the raster.
@@ -156,9 +144,10 @@ class Terrain:
         FileError
             If the file cannot be written.
         """
-        path = Path(path)
-        arrays = {name: array.host() for name, array in self._ladder.measured().items()}
-        write_ladder(path, fingerprint(self._relief, self.grid.tile), arrays)
+        path, tiles = Path(path), self._with_ladder()
+        assert tiles.ladder is not None
+        arrays = {name: array.host() for name, array in tiles.ladder.measured().items()}
+        write_ladder(path, fingerprint(tiles.ground.relief, tiles.grid.tile), arrays)
         return path
 
     def load_ladder(self, path: str | Path) -> None:
@@ -169,48 +158,48 @@ class Terrain:
         FileError
             If the file cannot be read, or is the ladder of other ground or of other tiles.
         """
-        ladder = empty_ladder(self.device, self.grid)
-        shapes = {name: array.shape for name, array in ladder.measured().items()}
-        arrays = read_ladder(Path(path), fingerprint(self._relief, self.grid.tile), shapes)
-        for name, array in ladder.measured().items():
-            array.write(arrays[name])
-        self.__dict__["_ladder"] = ladder
+        with self._changing:
+            tiles = self._tiles
+            ladder = empty_ladder(self.device, tiles.grid)
+            shapes = {name: array.shape for name, array in ladder.measured().items()}
+            key = fingerprint(tiles.ground.relief, tiles.grid.tile)
+            arrays = read_ladder(Path(path), key, shapes)
+            for name, array in ladder.measured().items():
+                array.write(arrays[name])
+            self._tiles = replace(tiles, ladder=ladder)
 
     @property
-    def _lowest(self) -> float:
-        """Lowest height above the base, from the tiles: samples are hundreds of times as many."""
-        return float(np.nanmin(self._analysis.details.host()[..., 1]))
+    def device(self) -> Device:
+        return self._tiles.device
 
-    @cached_property
+    @property
+    def grid(self) -> TileGrid:
+        return self._tiles.grid
+
+    @property
     def analysis(self) -> TileAnalysis:
         """Planes, deviations and ranges of the tiles."""
-        return TileAnalysis.of(self.grid, self._analysis)
+        return self._tiles.found
 
     @property
     def ground(self) -> Heightmap:
         """The heightmap, as it is now, without its detail."""
-        return self._relief.ground
+        return self._tiles.ground.relief.ground
 
     @property
     def detail(self) -> Heightmap | None:
         """What is laid over it."""
-        return self._relief.detail
+        return self._tiles.ground.relief.detail
 
     @property
     def origin(self) -> tuple[float, float, float]:
         """World point that meshes of this terrain are relative to."""
-        return (*self.ground.origin, self._relief.base)
+        return self._tiles.ground.origin
 
-    @cached_property
+    @property
     def scene(self) -> Scene:
         """What levels of detail take their defaults from."""
-        low = float(np.nanmin(self.analysis.minimum))
-        high = float(np.nanmax(self.analysis.maximum))
-        known = self.analysis.deviation[~np.isnan(self.analysis.deviation)]
-        return Scene(
-            diagonal=float(np.hypot(np.hypot(*self.grid.extent), high - low)),
-            rough_deviation=float(np.percentile(known, 98)),
-        )
+        return self._tiles.scene
 
     def mesh(
         self,
@@ -229,7 +218,9 @@ class Terrain:
             Where detail is wanted, and what is in view. Without one, nothing is culled.
         lod : Lod, PromiseLod or Weighted, optional
             A formula for the segments that a patch deserves, or an error to keep, or either with
-            weights on it; defaults to ``ScreenErrorLod(1.0)``.
+            weights on it. Defaults to ``ScreenErrorLod(1.0)`` for a camera; without one to the
+            raster in full, ``UniformLod`` of the tile's cells: at an odd `tile` every sample is a
+            vertex.
         edges : {"min", "max", "edge"}, optional
             Factor of a shared edge: the lower of the two tiles' (the default with a formula, and
             the book's), the higher, or by the edge's own error (the default with a promise, and
@@ -250,24 +241,29 @@ class Terrain:
         DeviceMemoryError
             If the device cannot hold the mesh.
         """
-        lod = lod or ScreenErrorLod()
+        if lod is None:
+            lod = UniformLod(self.grid.tile) if camera is None else ScreenErrorLod()
         one_of("partitioning", partitioning, layout.PARTITIONINGS)
         if camera is None and lod.needs_camera:
             raise InputError(f"{type(lod).__name__} needs a camera, got none")
         cull = cull and camera is not None
-        achieved = None
+        weighted, lod = (lod, lod.lod) if isinstance(lod, Weighted) else (None, lod)
         with self.device.timed() as timeline:
-            weights = self._weights(camera, lod)
-            lod = lod.lod if isinstance(lod, Weighted) else lod
+            tiles = self._with_ladder() if isinstance(lod, PromiseLod) else self._tiles
+            weights = None
+            if weighted is not None and camera is not None:
+                weights = weights_on_device(
+                    tiles, camera, horizon=weighted.horizon, silhouette=weighted.silhouette
+                )
             if isinstance(lod, PromiseLod):
-                promise = self._promise(camera, edges or "edge", partitioning, cull, weights)
+                promise = Promise(tiles, camera, partitioning, edges or "edge", cull, weights)
                 kept = promise.keep(lod)
-                factors, pattern, achieved = kept.factors, kept.pattern, kept.achieved
-            else:
-                factors = self._factors(camera, lod, edges or "min", cull, weights)
-                pattern = self._pattern(factors, partitioning)
-            vertices = displace_on_device(self._ground, self.grid, pattern)
-            return self._download(factors, pattern, vertices, timeline, achieved)
+                return mesh_of(tiles, kept.factors, kept.pattern, timeline, kept.achieved)
+            factors = hull_on_device(
+                tiles, lod, camera, edges=edges or "min", cull=cull, weights=weights
+            )
+            pattern = pattern_on_device(tiles, factors, partitioning)
+            return mesh_of(tiles, factors, pattern, timeline)
 
     def height_at(self, points: npt.ArrayLike) -> npt.NDArray[np.float64]:
         """Return the ground's elevations at points of the world.
@@ -289,7 +285,7 @@ class Terrain:
         DeviceError
             If the device has no 64-bit floats.
         """
-        return heights_on_device(self._ground, self.grid, self.origin, checked_points(points))
+        return heights_on_device(self._tiles, checked_points(points))
 
     def cast(self, origins: npt.ArrayLike, directions: npt.ArrayLike) -> Hits:
         """Find what rays meet first of the ground itself, bilinear between its samples.
@@ -312,110 +308,13 @@ class Terrain:
         DeviceError
             If the device has no 64-bit floats.
         """
-        return rays_on_device(
-            self._ground,
-            self.grid,
-            self._analysis,
-            self.origin,
-            *checked_rays(origins, directions),
-        )
+        return rays_on_device(self._tiles, *checked_rays(origins, directions))
 
-    @cached_property
-    def _ladder(self) -> DeviceLadder:
-        return ladder_on_device(self._ground, self.grid, self._analysis)
-
-    def _view(self, camera: Camera | None) -> npt.NDArray[Any]:
-        return np.zeros((), layout.VIEW) if camera is None else camera.view(self.origin)
-
-    def _weights(
-        self, camera: Camera | None, lod: Lod | PromiseLod | Weighted
-    ) -> DeviceArray | None:
-        if not isinstance(lod, Weighted):
-            return None
-        return weights_on_device(
-            self.grid,
-            self._analysis,
-            self._view(camera),
-            horizon=lod.horizon,
-            silhouette=lod.silhouette,
-        )
-
-    def _promise(
-        self,
-        camera: Camera | None,
-        edges: str,
-        partitioning: str,
-        cull: bool,
-        weights: DeviceArray | None = None,
-    ) -> Promise:
-        return Promise(
-            self._ground,
-            self.grid,
-            self._analysis,
-            self._ladder,
-            self._view(camera),
-            has_camera=camera is not None,
-            tessellate=lambda factors: self._pattern(factors, partitioning),
-            edges=edges,
-            cull=cull,
-            weights=weights,
-        )
-
-    def _factors(
-        self,
-        camera: Camera | None,
-        lod: Lod,
-        edges: str,
-        cull: bool,
-        weights: DeviceArray | None = None,
-    ) -> DeviceFactors:
-        return hull_on_device(
-            self.grid,
-            self._patches,
-            self._analysis,
-            lod,
-            self.scene,
-            self._view(camera),
-            edges=edges,
-            cull=cull,
-            weights=weights,
-        )
-
-    def _pattern(self, factors: DeviceFactors, partitioning: str) -> DevicePattern:
-        # v runs south, so clockwise in the domain is counter-clockwise seen from above
-        pattern = tessellate_device(
-            "quad", factors.edge, factors.inside, partitioning, clockwise=False
-        )
-        if not self._ground.masked:
-            return pattern
-        return without_holes_on_device(self._ground, self.grid, self._analysis, pattern)
-
-    def _download(
-        self,
-        factors: DeviceFactors,
-        pattern: DevicePattern,
-        vertices: DeviceVertices,
-        timeline: Timeline,
-        achieved: Achieved | None,
-    ) -> Mesh:
-        patches = Patches(
-            grid=self.grid,
-            edge_factors=factors.edge.host(),
-            inside_factors=factors.inside.host(),
-            point_offsets=pattern.point_offsets.host().astype(np.int64),
-            triangle_offsets=pattern.primitive_offsets.host().astype(np.int64),
-            deviation=self.analysis.deviation.ravel(),
-        )
-        return Mesh(
-            vertices=vertices.positions.host(),
-            normals=vertices.normals.host(),
-            triangles=pattern.primitives.host(),
-            origin=np.array(self.origin),
-            crs=self.ground.crs,
-            patches=patches,
-            timings=timeline.seconds,
-            achieved=achieved,
-        )
+    def _with_ladder(self) -> DeviceTiles:
+        """Return the tiles with their ladder, which threads measure once."""
+        with self._changing:
+            self._tiles = self._tiles.with_ladder()
+            return self._tiles
 
     def _repr_html_(self) -> str:
         from ..drawing.notebook import page

@@ -7,9 +7,9 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
+from ..camera.camera import Camera
 from ..device.device import DeviceArray
-from ..ground.grid import TileGrid
-from .buffers import DeviceAnalysis
+from .tiles import DeviceTiles
 
 COLUMNS: Final = 512  # of the picture, that the horizon is kept in
 
@@ -25,39 +25,31 @@ def reach_of(view: npt.NDArray[Any]) -> float:
 
 
 def weights_on_device(
-    grid: TileGrid,
-    analysis: DeviceAnalysis,
-    view: npt.NDArray[Any],
-    *,
-    horizon: float,
-    silhouette: float,
+    tiles: DeviceTiles, camera: Camera, *, horizon: float, silhouette: float
 ) -> DeviceArray:
     """Return a weight a tile, (P,) float32: 1 where neither applies.
 
     Parameters
     ----------
-    grid : TileGrid
-    analysis : DeviceAnalysis
-    view : layout.VIEW record
+    tiles : DeviceTiles
+    camera : Camera
     horizon, silhouette : float
         Weights of a tile that stands against the sky, and of one that is seen edge on.
     """
-    device = analysis.details.device
+    device, count, view = tiles.device, tiles.grid.count, tiles.view(camera)
     keys = device.zeros(COLUMNS, np.uint32)
-    weights = device.empty(grid.count, np.float32)
+    weights = device.empty(count, np.float32)
     shared = {
-        "grid": grid.record(),
+        "grid": tiles.grid.record(),
         "view": view,
         "reach": reach_of(view),
-        "planes": analysis.planes,
-        "details": analysis.details,
+        "planes": tiles.analysis.planes,
+        "details": tiles.analysis.details,
         "keys": keys,
     }
-    device.kernel("terrain/weights.cl", "horizon", COLUMNS=COLUMNS)(
-        (grid.count,), (_GROUP,), **shared
-    )
+    device.kernel("terrain/weights.cl", "horizon", COLUMNS=COLUMNS)((count,), (_GROUP,), **shared)
     device.kernel("terrain/weights.cl", "weigh", COLUMNS=COLUMNS)(
-        (grid.count,),
+        (count,),
         (_GROUP,),
         **shared,
         horizon_weight=horizon,

@@ -27,8 +27,6 @@ from .room import room_for_pattern
 
 LARGEST_LEVEL: Final = 10  # 1,048,576 triangles a patch
 
-_GROUPS: Final = 1024  # on a CPU, each with a run of patches
-
 
 class Lattice(NamedTuple):
     """The dyadic triangulation of a level, cut off from any patch.
@@ -161,7 +159,7 @@ def _fill(pattern: DevicePattern, queues: Queues, level: int, **options: object)
     device, base = pattern.points.device, lattice(level)
     begin, end = queues.begins[level : level + 2].tolist()
     group = device.group_size()
-    groups = end - begin if device.is_gpu else min(end - begin, _GROUPS)
+    groups = device.runs(end - begin)
     device.kernel("tessellation/semi_uniform.cl", "semi_uniform_fill", GROUP=group)(
         (groups * group,),
         (group,),

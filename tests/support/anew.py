@@ -9,14 +9,14 @@ import terrain_lod as tl
 
 def everything(terrain: tl.Terrain) -> dict[str, np.ndarray]:
     """Return all that the device knows of a terrain, ladder included."""
-    ladder = terrain._ladder
+    tiles = terrain._with_ladder()
     return {
-        "heights": terrain._ground.heights.host(),
-        "holes": terrain._ground.holes.host(),
-        "planes": terrain._analysis.planes.host(),
-        "details": terrain._analysis.details.host(),
-        "control points": terrain._patches.control_points.host(),
-        **{name: array.host() for name, array in ladder.measured().items()},
+        "heights": tiles.ground.heights.host(),
+        "holes": tiles.ground.holes.host(),
+        "planes": tiles.analysis.planes.host(),
+        "details": tiles.analysis.details.host(),
+        "control points": tiles.patches.control_points.host(),
+        **{name: array.host() for name, array in tiles.ladder.measured().items()},
     }
 
 

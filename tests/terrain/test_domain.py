@@ -9,15 +9,17 @@ import terrain_lod as tl
 from support.grounds import holed, plane, rough
 from terrain_lod.device.layout import FIXED_ONE
 from terrain_lod.reference.terrain import domain
+from terrain_lod.terrain.hull import hull_on_device
+from terrain_lod.terrain.meshing import pattern_on_device
 
 
 def meshed(ground: tl.Heightmap, factor: float, tile: int = 15):
     """Return a terrain, its mesh, and the pattern's points with their patches."""
     terrain = tl.Terrain(ground, tile=tile)
     mesh = terrain.mesh(lod=tl.UniformLod(factor))
-    patterns = terrain._pattern(
-        terrain._factors(None, tl.UniformLod(factor), "min", False), "fractional_odd"
-    )
+    tiles = terrain._tiles
+    factors = hull_on_device(tiles, tl.UniformLod(factor), None, cull=False)
+    patterns = pattern_on_device(tiles, factors, "fractional_odd")
     patch = np.repeat(np.arange(terrain.grid.count), np.diff(mesh.patches.point_offsets))
     return terrain, mesh, patterns.points.host(), patch
 

@@ -8,7 +8,8 @@ import pytest
 import terrain_lod as tl
 from support.grounds import holed, rough
 from terrain_lod.reference.terrain import analysis, hull
-from terrain_lod.terrain.hull import patch_indices
+from terrain_lod.terrain.control_points import patch_indices
+from terrain_lod.terrain.hull import hull_on_device
 
 LODS = [
     tl.UniformLod(5.5),
@@ -27,7 +28,7 @@ def camera_over(ground: tl.Heightmap) -> tl.Camera:
 
 
 def factors(terrain: tl.Terrain, camera: tl.Camera, lod: tl.Lod, edges: str, cull: bool):
-    found = terrain._factors(camera, lod, edges, cull)
+    found = hull_on_device(terrain._tiles, lod, camera, edges=edges, cull=cull)
     return found.edge.host(), found.inside.host()
 
 

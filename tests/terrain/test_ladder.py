@@ -8,13 +8,13 @@ import pytest
 import terrain_lod as tl
 from support.grounds import holed, rough
 from terrain_lod.reference.terrain import analysis, domain, ladder
-from terrain_lod.terrain.ladder import cheapest_first, ladder_on_device, tile_groups
+from terrain_lod.terrain.ladder import cheapest_first, tile_groups
 from terrain_lod.tessellation.tessellator import tessellate
 
 
 def measured(ground: tl.Heightmap, tile: int):
     terrain = tl.Terrain(ground, tile=tile)
-    return terrain.grid, ladder_on_device(terrain._ground, terrain.grid, terrain._analysis)
+    return terrain.grid, terrain._with_ladder().ladder
 
 
 @pytest.mark.parametrize("tile", [1, 3, 7, 8, 15])

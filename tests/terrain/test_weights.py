@@ -8,8 +8,9 @@ import pytest
 import terrain_lod as tl
 from support.cameras import cameras_over
 from support.grounds import holed, rough
-from terrain_lod.reference.terrain import analysis, weights
-from terrain_lod.terrain.weights import COLUMNS
+from terrain_lod.reference.terrain import analysis
+from terrain_lod.reference.terrain import weights as reference
+from terrain_lod.terrain.weights import COLUMNS, weights_on_device
 
 ORIGIN = (500_000.0, 4_000_000.0)
 
@@ -20,9 +21,8 @@ def test_agrees_with_the_reference(make) -> None:
     terrain, fits = tl.Terrain(ground), analysis.analyse(ground)
     weighed = 0
     for camera in cameras_over(ground, 12):
-        lod = tl.Weighted(tl.UniformLod(3), horizon=5.0, silhouette=3.0)
-        found = terrain._weights(camera, lod).host()
-        expected = weights.weights(
+        found = weights_on_device(terrain._tiles, camera, horizon=5.0, silhouette=3.0).host()
+        expected = reference.weights(
             terrain.grid, fits, camera, terrain.origin, COLUMNS, horizon=5.0, silhouette=3.0
         )
         # a tile whose side is the border of a column may fall on either side of it
@@ -47,8 +47,8 @@ def test_the_ridge_against_the_sky_weighs_most() -> None:
     terrain = tl.Terrain(ground)
     x = ground.centre[0]
     camera = tl.Camera((x, -10_500.0, 300.0), (x, 0.0, 250.0))
-    lod = tl.Weighted(tl.UniformLod(3), horizon=4.0)
-    found = terrain._weights(camera, lod).host().reshape(terrain.grid.shape)
+    weights = weights_on_device(terrain._tiles, camera, horizon=4.0, silhouette=1.0)
+    found = weights.host().reshape(terrain.grid.shape)
     middle = found[:, 8:12].max(axis=1)
     crest = 120 // 15
     assert middle[crest - 1 : crest + 1].max() > 3.9

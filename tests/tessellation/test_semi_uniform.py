@@ -234,7 +234,7 @@ def test_more_than_the_device_holds_is_refused_with_both_numbers(monkeypatch):
     device = Device.open()
     levels = np.full((100, 3), 7)
     semi_uniform(levels[:1], maximum=7)
-    monkeypatch.setattr(device, "allocated", device.info.memory - 2**20)
+    monkeypatch.setattr(device.memory, "allocated", device.info.memory - 2**20)
     with pytest.raises(DeviceMemoryError, match=r"bytes\), .* has"):
         semi_uniform(levels, maximum=7)
 

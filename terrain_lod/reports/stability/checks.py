@@ -28,20 +28,18 @@ from ...reference.terrain import (
     ladder,
     selection,
 )
-from ...terrain.analysis import analyse_on_device
 from ...terrain.buffers import DeviceGround
 from ...terrain.domain import displace_on_device
-from ...terrain.hull import hull_on_device, patches_on_device
-from ...terrain.ladder import ladder_on_device
-from ...terrain.lod import CoplanarityLod, MaxErrorLod, Scene
+from ...terrain.hull import hull_on_device
+from ...terrain.lod import CoplanarityLod, MaxErrorLod
 from ...terrain.promise import Promise
 from ...terrain.selection import Selection
 from ...terrain.terrain import Terrain
+from ...terrain.tiles import DeviceTiles
 from ...tessellation.pattern import DevicePattern
 
 Array = npt.NDArray[Any]
 
-_SCENE: Final = Scene(diagonal=2000.0, rough_deviation=20.0)
 _LARGEST: Final = float(np.finfo(np.float32).max)
 
 # quantities, what each is measured in, and the bound that each keeps
@@ -123,8 +121,8 @@ class OnGround:
         self.name, self.ground, self.device = name, ground, device
         self.grid = TileGrid.of(ground, DEFAULT_TILE)
         self.fits = analysis.analyse(ground)
-        self.uploaded = DeviceGround.upload(Relief(ground), device)
-        self.analysis = analyse_on_device(self.uploaded, self.grid)
+        uploaded = DeviceGround.upload(Relief(ground), DEFAULT_TILE, device)
+        self.tiles = DeviceTiles.of(uploaded).with_ladder()
         self.ranges = np.array([fit.maximum - fit.minimum for fit in self.fits])
         known = np.abs(ground.heights[ground.valid]).astype(np.float64)
         self.highest = float(known.max())
@@ -144,8 +142,8 @@ class OnGround:
         return finding(self.name, quantity, found, expected, scale, allowed)
 
     def _analysis(self) -> Iterator[Finding]:
-        planes = self.analysis.planes.host().reshape(-1, 4)
-        details = self.analysis.details.host().reshape(-1, 4)
+        planes = self.tiles.analysis.planes.host().reshape(-1, 4)
+        details = self.tiles.analysis.details.host().reshape(-1, 4)
         four_ulp = 4 * ulp(np.nan_to_num(self.ranges))
         expected = np.array([fit.deviation for fit in self.fits])
         allowed = np.maximum(four_ulp, 1e-5 * np.nan_to_num(expected))
@@ -158,7 +156,8 @@ class OnGround:
         yield self._find("plane normal", planes[:, :3], normals, 1.0, 1e-5)
 
     def _ladder(self) -> Iterator[Finding]:
-        found = ladder_on_device(self.uploaded, self.grid, self.analysis)
+        found = self.tiles.ladder
+        assert found is not None
         tiles, inner, across, down = ladder.ladder(self.ground, self.grid, self.fits)
         ranges = np.nan_to_num(self.ranges)[:, None, None]
         every = np.stack([found.tiles.host(), found.inner.host()])
@@ -170,35 +169,24 @@ class OnGround:
 
     def _domain_and_tile_error(self) -> Iterator[Finding]:
         """Mesh with transition strips, displace it and measure it."""
-        terrain = Terrain(self.ground, device=self.device)
         # half the height range lets most of a mesh be coarse
-        promise = terrain._promise(None, "edge", "fractional_odd", False)
+        promise = Promise(self.tiles, None, "fractional_odd", "edge", cull=False)
         kept = promise.keep(MaxErrorLod(max(self.range / 4, 1e-30)))
         pattern = kept.pattern
         points = pattern.points.host()
         patch = np.repeat(np.arange(self.grid.count), np.diff(pattern.point_offsets.host()))
         positions, normals = domain.displace(self.ground, self.grid, points, patch)
-        found = displace_on_device(self.uploaded, self.grid, pattern)
+        found = displace_on_device(self.tiles, pattern)
         used = np.unique(pattern.primitives.host())
         largest = np.array([*self.ground.extent, max(self.highest, 1e-45)])
         yield self._find(
             "position", found.positions.host()[used], positions[used], largest, 4 * ulp(largest)
         )
         yield self._find("normal", found.normals.host()[used], normals[used], 1.0, 1e-5)
-        yield self._tile_error(promise, pattern, positions, patch)
+        yield self._tile_error(pattern, positions, patch)
 
-    def _tile_error(
-        self, promise: Promise, pattern: DevicePattern, positions: Array, patch: Array
-    ) -> Finding:
-        state = Selection.start(
-            self.uploaded,
-            self.grid,
-            self.analysis,
-            promise.ladder,
-            promise.view,
-            metres=1.0,
-            pixels=np.inf,
-        )
+    def _tile_error(self, pattern: DevicePattern, positions: Array, patch: Array) -> Finding:
+        state = Selection.start(self.tiles, None, metres=1.0, pixels=np.inf)
         state.changed.fill(1)
         state.measure(pattern)
         columns, rows = domain.global_coordinates(self.grid, pattern.points.host(), patch)
@@ -255,35 +243,15 @@ def camera_findings(
     """Yield how far the factors, and the errors that tiles are allowed, are from the references."""
     case = OnGround(name, ground, device)
     grid, origin = case.grid, (*ground.origin, ground.base)
-    view = camera.view(origin)
-    low = ground.height_range[0] - ground.base
     lod = CoplanarityLod()
-    found = hull_on_device(
-        grid,
-        patches_on_device(case.uploaded, grid, fallback=low),
-        case.analysis,
-        lod,
-        _SCENE,
-        view,
-        cull=False,
-    )
+    found = hull_on_device(case.tiles, lod, camera, cull=False)
     eye = np.subtract(camera.eye, origin)
-    edge, inside = hull.factors(ground, grid, case.fits, lod, _SCENE, eye, None)
+    edge, inside = hull.factors(ground, grid, case.fits, lod, case.tiles.scene, eye, None)
     factors = np.concatenate([found.edge.host(), found.inside.host()], axis=1)
     expected = np.concatenate([edge, inside], axis=1)
     yield finding(name, "factors", factors, expected, expected, 1e-4)
 
-    terrain = Terrain(ground, device=device)
-    state = Selection.start(
-        case.uploaded,
-        grid,
-        case.analysis,
-        terrain._ladder,
-        view,
-        metres=np.inf,
-        pixels=1.0,
-        cull=False,
-    )
+    state = Selection.start(case.tiles, camera, metres=np.inf, pixels=1.0, cull=False)
     boxes = [selection.bounding_box(grid, fit, index) for index, fit in enumerate(case.fits)]
     metres = np.array(
         [

@@ -1,0 +1,103 @@
+"""Ground on the device, cut into tiles, and what is known of each: the record that stages share."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..camera.camera import Camera
+from ..device import layout
+from ..device.device import Device
+from ..ground.grid import TileGrid
+from ..ground.heightmap import Heightmap
+from ..ground.relief import Relief
+from .analysis import TileAnalysis, analyse_on_device, analyse_tiles
+from .buffers import DeviceAnalysis, DeviceGround, DeviceLadder, DevicePatches
+from .control_points import control_points_on_device, patches_on_device
+from .ladder import ladder_on_device, measure_tiles
+from .lod import Scene
+
+
+@dataclass(frozen=True, eq=False)
+class DeviceTiles:
+    """The P tiles of a ground. Nothing in it is ever changed: who holds one may go on using it.
+
+    Attributes
+    ----------
+    ground : DeviceGround
+        Samples, and the grid that cuts them.
+    analysis : DeviceAnalysis
+        Planes, deviations and ranges.
+    patches : DevicePatches
+        What the hull stage of formulas takes.
+    ladder : DeviceLadder or None
+        Errors, which promises are kept with; None until the first one asks.
+    """
+
+    ground: DeviceGround
+    analysis: DeviceAnalysis
+    patches: DevicePatches
+    ladder: DeviceLadder | None = None
+
+    @classmethod
+    def of(cls, ground: DeviceGround, *, plane: str = "least_squares") -> DeviceTiles:
+        """Analyse every tile."""
+        analysis = analyse_on_device(ground, plane=plane)
+        return cls(ground, analysis, patches_on_device(ground, analysis))
+
+    def with_ladder(self) -> DeviceTiles:
+        """Return the same with every error measured."""
+        if self.ladder is not None:
+            return self
+        return replace(self, ladder=ladder_on_device(self.ground, self.analysis))
+
+    def updated(self, ground: Heightmap, rows: slice, columns: slice) -> tuple[DeviceTiles, int]:
+        """Return the tiles of another heightmap, and how many of them were looked at anew.
+
+        It differs in these samples alone, start and stop given. What is known of the tiles that
+        hold none of them is copied.
+        """
+        relief = Relief(ground, self.ground.relief.detail)
+        changed = self.grid.touching(*relief.touching(rows, columns))
+        uploaded = self.ground.updated(relief, rows)
+        analysis = self.analysis.copy()
+        analyse_tiles(uploaded, analysis, changed)
+        # corners without data stand at the lowest height there is: all of them may move
+        points = control_points_on_device(uploaded, analysis)
+        ladder = None if self.ladder is None else self.ladder.copy()
+        if ladder is not None:
+            measure_tiles(uploaded, analysis, ladder, changed)
+        patches = replace(self.patches, control_points=points)
+        return DeviceTiles(uploaded, analysis, patches, ladder), len(changed)
+
+    @property
+    def device(self) -> Device:
+        return self.ground.device
+
+    @property
+    def grid(self) -> TileGrid:
+        return self.ground.grid
+
+    def view(self, camera: Camera | None) -> npt.NDArray[Any]:
+        """Return the ``layout.VIEW`` record of a camera, all zero where there is none."""
+        return np.zeros((), layout.VIEW) if camera is None else camera.view(self.ground.origin)
+
+    @cached_property
+    def found(self) -> TileAnalysis:
+        """The analysis, brought down."""
+        return TileAnalysis.of(self.grid, self.analysis)
+
+    @cached_property
+    def scene(self) -> Scene:
+        """What levels of detail take their defaults from."""
+        low = float(np.nanmin(self.found.minimum))
+        high = float(np.nanmax(self.found.maximum))
+        known = self.found.deviation[~np.isnan(self.found.deviation)]
+        return Scene(
+            diagonal=float(np.hypot(np.hypot(*self.grid.extent), high - low)),
+            rough_deviation=float(np.percentile(known, 98)),
+        )
