@@ -17,6 +17,11 @@
 // two patches must compute the same bits for the same vertex: no fused multiply-add unless asked
 #pragma OPENCL FP_CONTRACT OFF
 
+// Library functions are calls on a CPU: these are not. Of a comparison with NaN the second is taken.
+inline float larger(float a, float b) { return a > b ? a : b; }
+inline float smaller(float a, float b) { return a < b ? a : b; }
+inline float absolute(float a) { return a < 0.0f ? -a : a; }
+
 // position of a tile on the raster
 typedef struct {
     int row, column;            // its first sample

@@ -9,8 +9,10 @@
 //       tile A, u = 65536         |  split into the cell and a fraction 0 .. 65535:
 //       tile B, u = 0             |  both read (cell 15, fraction 0)
 //
-// Built with: GROUP work-items a patch, what ground.h is built with.
+// Built with: PATCHES, a header that says what patches are; GROUP work-items a patch, what it and
+// ground.h are built with.
 #include "terrain/gradient.h"
+#include PATCHES
 
 inline float cells_along(Coordinate c)
 {
@@ -47,6 +49,7 @@ __kernel void domain(const Grid grid,
                      __global const float *heights,         // (R, C)
                      __global const uchar *holes,           // (R, C) where MASKED
                      __global const float *detail_heights,  // where DETAIL
+                     PATCH_ARGUMENTS
                      const int patches,
                      __global const uint *point_offsets,    // (P + 1,)
                      __global const uint2 *points,          // (N,) u, v in 16.16
@@ -54,16 +57,16 @@ __kernel void domain(const Grid grid,
                      __global float *normals)               // (N, 3)
 {
     const Ground ground = {grid, heights, holes, detail_heights};
+    const PatchSet set = PATCH_SET;
     const int run = (patches + get_num_groups(0) - 1) / get_num_groups(0);
     const int first = get_group_id(0) * run;
     for (int patch = first; patch < min(first + run, patches); ++patch) {
-        const Tile tile = tile_at(grid, patch);
-        const Ruler across = ruler_of(tile.cells_across), down = ruler_of(tile.cells_down);
+        const Placing placing = placing_of(grid, set, patch);
         for (uint i = point_offsets[patch] + get_local_id(0); i < point_offsets[patch + 1];
              i += GROUP) {
-            const Coordinate column =
-                global_coordinate(tile.column, cell_offset(across, points[i].x));
-            const Coordinate row = global_coordinate(tile.row, cell_offset(down, points[i].y));
+            const int2 place = place_of(placing, points[i]);
+            const Coordinate column = global_coordinate(placing.tile.column, place.x);
+            const Coordinate row = global_coordinate(placing.tile.row, place.y);
             const float3 normal = normal_of(gradient_between(ground, column, row));
             positions[3 * i + 0] = cells_along(column) * grid.dx;
             positions[3 * i + 1] = -cells_along(row) * grid.dy;

@@ -1,7 +1,8 @@
 // Ground without data is not covered: triangles that reach into it are left out.
 //
 // A cell has data where its four samples have. A triangle stays if no cell without data shares
-// more than an outline with it. Patches without holes, most of them, are copied as they are.
+// more than an outline with it. Patches without holes, most of them, are copied as they are. Points
+// that no triangle uses any more are left out, too: their height would be that of no ground.
 //
 //     sample without data  o          x  cell without data: bilinear would need the sample
 //          +---+---+---+
@@ -9,22 +10,24 @@
 //          +---+---o---+              triangles of the cells around the x stay, whole
 //          |   | x | x |
 //          +---+---+---+
-// Built with: what ground.h is built with, MASKED being 1.
+// Built with: PATCHES, a header that says what patches are; what it and ground.h are built with, MASKED
+// being 1.
 #include "terrain/ground.h"
+#include PATCHES
 
 // corners in 1/65536 of a cell from the tile's first sample, x east, y south
 typedef struct {
     int x[3], y[3];
 } Triangle;
 
-inline Triangle triangle_at(const Ruler across, const Ruler down, __global const uint2 *points,
+inline Triangle triangle_at(const Placing placing, __global const uint2 *points,
                             __global const int *corners)
 {
     Triangle triangle;
     for (int i = 0; i < 3; ++i) {
-        const uint2 point = points[corners[i]];
-        triangle.x[i] = cell_offset(across, point.x);
-        triangle.y[i] = cell_offset(down, point.y);
+        const int2 place = place_of(placing, points[corners[i]]);
+        triangle.x[i] = place.x;
+        triangle.y[i] = place.y;
     }
     return triangle;
 }
@@ -70,52 +73,79 @@ inline bool is_kept(const Ground ground, const Tile tile, const Triangle t)
     return true;
 }
 
-// How many triangles of each patch stay; a work-item a patch.
+// How many triangles of each patch stay, and how many of its points these use; a work-item a patch.
 __kernel void count_kept(const Grid grid,
                          __global const float *heights,              // (R, C)
                          __global const uchar *holes,                // (R, C)
                          __global const float *detail_heights,       // where DETAIL
-                         __global const float4 *details,             // (P,) .w: samples without data
-                         __global const uint2 *points,
+                         PATCH_ARGUMENTS
+                         const int patches,
+                         __global const float4 *details,             // (P,) or (N,) .w: samples without
+                                                                     // data
+                         __global const uint *point_offsets,         // (P + 1,)
+                         __global const uint2 *points,               // (N,)
                          __global const uint *triangle_offsets,      // (P + 1,)
                          __global const int *triangles,              // (M, 3)
                          __global uchar *kept,                       // (M,)
-                         __global uint *counts)                      // (P,)
-{
-    const int patch = get_global_id(0);
-    if (patch >= tile_count(grid))
-        return;
-    const Ground ground = {grid, heights, holes, detail_heights};
-    const Tile tile = tile_at(grid, patch);
-    const Ruler across = ruler_of(tile.cells_across), down = ruler_of(tile.cells_down);
-    const bool whole = details[patch].w == 0.0f;
-    uint count = 0;
-    for (uint i = triangle_offsets[patch]; i < triangle_offsets[patch + 1]; ++i) {
-        const bool keep = whole || is_kept(ground, tile,
-            triangle_at(across, down, points, triangles + 3 * i));
-        kept[i] = keep;
-        count += keep;
-    }
-    counts[patch] = count;
-}
-
-// Copy those that stay, in their order; a work-item a patch.
-__kernel void copy_kept(const int patches,
-                        __global const uint *triangle_offsets,       // (P + 1,)
-                        __global const int *triangles,               // (M, 3)
-                        __global const uchar *kept,                  // (M,)
-                        __global const uint *kept_offsets,           // (P + 1,)
-                        __global int *kept_triangles)                // (K, 3)
+                         __global uchar *used,                       // (N,)
+                         __global uint *counts,                      // (P,)
+                         __global uint *point_counts)                // (P,)
 {
     const int patch = get_global_id(0);
     if (patch >= patches)
         return;
+    const Ground ground = {grid, heights, holes, detail_heights};
+    const PatchSet set = PATCH_SET;
+    const Placing placing = placing_of(grid, set, patch);
+    const bool whole = details[number_of(set, patch)].w == 0.0f;
+    for (uint i = point_offsets[patch]; i < point_offsets[patch + 1]; ++i)
+        used[i] = whole;
+    uint count = 0;
+    for (uint i = triangle_offsets[patch]; i < triangle_offsets[patch + 1]; ++i) {
+        const bool keep = whole || is_kept(ground, placing.tile,
+            triangle_at(placing, points, triangles + 3 * i));
+        kept[i] = keep;
+        count += keep;
+        for (int corner = 0; corner < 3; ++corner)
+            used[triangles[3 * i + corner]] |= keep;
+    }
+    counts[patch] = count;
+    uint point_count = 0;
+    for (uint i = point_offsets[patch]; i < point_offsets[patch + 1]; ++i)
+        point_count += used[i];
+    point_counts[patch] = point_count;
+}
+
+// Copy those that stay, in their order, and number the points anew; a work-item a patch.
+__kernel void copy_kept(const int patches,
+                        __global const uint *point_offsets,          // (P + 1,)
+                        __global const uint2 *points,                // (N,)
+                        __global const uint *triangle_offsets,       // (P + 1,)
+                        __global const int *triangles,               // (M, 3)
+                        __global const uchar *kept,                  // (M,)
+                        __global const uchar *used,                  // (N,)
+                        __global const uint *kept_offsets,           // (P + 1,)
+                        __global const uint *used_offsets,           // (P + 1,)
+                        __global uint *renumbered,                   // (N,)
+                        __global int *kept_triangles,                // (K, 3)
+                        __global uint2 *used_points)                 // (U,)
+{
+    const int patch = get_global_id(0);
+    if (patch >= patches)
+        return;
+    uint place = used_offsets[patch];
+    for (uint i = point_offsets[patch]; i < point_offsets[patch + 1]; ++i) {
+        if (!used[i])
+            continue;
+        used_points[place] = points[i];
+        renumbered[i] = place++;
+    }
     uint target = kept_offsets[patch];
     for (uint i = triangle_offsets[patch]; i < triangle_offsets[patch + 1]; ++i) {
         if (!kept[i])
             continue;
         for (int corner = 0; corner < 3; ++corner)
-            kept_triangles[3 * target + corner] = triangles[3 * i + corner];
+            kept_triangles[3 * target + corner] = renumbered[triangles[3 * i + corner]];
         ++target;
     }
 }

@@ -107,27 +107,29 @@ inline int step_rows(int outer, int inner, uchar *steps)
     return count;
 }
 
-// The largest error of a strip's samples between its two rows; beyond `enough` it is not sought.
-inline float strip_error(const Ground ground, const Strip strip, float enough)
+// The largest error of a strip's samples between its two rows, `stride` apart; beyond `enough` it is not
+// sought. The outer row's points are given.
+inline float side_strip_error(const Ground ground, const Strip strip, const Points *outer, int stride,
+                              float enough)
 {
-    Points outer, inner;
+    Points inner;
     uchar steps[2 * MOST_POINTS];
-    put_points(ground, strip.frame, strip.outer, 0, strip.outer, 0.0f, &outer);
     put_points(ground, strip.frame, strip.inner, 1, strip.inner - 1, strip.depth, &inner);
     const int count = step_rows(strip.outer, strip.inner, steps);
     float error = 0.0f;
-    for (int row = 1; row < strip.depth && error <= enough; ++row) {
+    for (int row = stride; row < strip.depth && error <= enough; row += stride) {
         const float t = row / strip.depth;
         // the rung behind, the rung ahead, and the samples between
         float behind = inner.along[0] * t;
-        float low = outer.height[0] + (inner.height[0] - outer.height[0]) * t;
-        int sample = (int)behind + (behind > (int)behind);
+        float low = outer->height[0] + (inner.height[0] - outer->height[0]) * t;
+        int sample = (int)(behind / stride) * stride;
+        sample += sample < behind ? stride : 0;
         for (int step = 0, o = 0, i = 0; step < count; ++step) {
             i += steps[step];
             o += 1 - steps[step];
-            const float ahead = outer.along[o] + (inner.along[i] - outer.along[o]) * t;
-            const float high = outer.height[o] + (inner.height[i] - outer.height[o]) * t;
-            for (; sample <= ahead; ++sample) {
+            const float ahead = outer->along[o] + (inner.along[i] - outer->along[o]) * t;
+            const float high = outer->height[o] + (inner.height[i] - outer->height[o]) * t;
+            for (; sample <= ahead; sample += stride) {
                 const float z = low + (high - low) * ((sample - behind) / (ahead - behind));
                 const float difference = z - height_in(ground, strip.frame, sample, row);
                 const float distance = difference < 0.0f ? -difference : difference;
@@ -138,6 +140,13 @@ inline float strip_error(const Ground ground, const Strip strip, float enough)
         }
     }
     return error;
+}
+
+inline float strip_error(const Ground ground, const Strip strip, float enough)
+{
+    Points outer;
+    put_points(ground, strip.frame, strip.outer, 0, strip.outer, 0.0f, &outer);
+    return side_strip_error(ground, strip, &outer, 1, enough);
 }
 
 #endif

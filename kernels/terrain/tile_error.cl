@@ -8,10 +8,15 @@
 //     .   \   o
 //     *----- *
 //
-// Built with: TILE cells, GROUP work-items a patch, LANES (1 or 8), what ground.h is built with.
+// Coarse leaves of a quadtree are measured on a lattice: lattice_error.h.
+//
+// Built with: PATCHES, a header that says what patches are; TILE cells, GROUP work-items a patch, LANES
+// (1 or 8), what PATCHES and ground.h are built with.
 #include "common/lanes.h"
 #include "common/reduce.h"
+#include "terrain/lattice_error.h"
 #include "terrain/tile_samples.h"
+#include PATCHES
 
 // corners in cells from the tile's first sample, x east, y south: whole 1/65536, so that differences
 // are exact; LANES triangles side by side
@@ -108,15 +113,16 @@ inline Real triangle_errors(const TileSamples samples, const Triangles *t, const
 // Is a tile meshed in full? As many points as samples, each on a sample, and twice as many triangles
 // as cells: then, by Pick's theorem, no triangle holds a sample but its corners, and none has an
 // error. The same for all items of a group.
-inline bool shows_all_samples(Tile tile, Ruler across, Ruler down, __global const uint2 *points,
-                              uint point_count, uint triangle_count, __local float *scratch)
+inline bool shows_all_samples(const Placing placing, __global const uint2 *points, uint point_count,
+                              uint triangle_count, __local float *scratch)
 {
+    const Tile tile = placing.tile;
     if (point_count != (tile.cells_across + 1) * (tile.cells_down + 1)
         || triangle_count != 2 * tile.cells_across * tile.cells_down)
         return false;
     int off = 0;
     for (uint i = get_local_id(0); i < point_count; i += GROUP)
-        off |= cell_offset(across, points[i].x) | cell_offset(down, points[i].y);
+        off |= place_of(placing, points[i]).x | place_of(placing, points[i]).y;
     return group_max((off & (FIXED_ONE - 1)) != 0, scratch) == 0.0f;
 }
 
@@ -153,6 +159,8 @@ __kernel void tile_error(const Grid grid,
                          __global const float *heights,             // (R, C)
                          __global const uchar *holes,               // (R, C) where MASKED
                          __global const float *detail_heights,      // where DETAIL
+                         PATCH_ARGUMENTS
+                         __global const float4 *details,            // (P,) or (N,) .x: drift
                          const int patches,
                          __global const uchar *changed,             // (P,) others keep their error
                          __global const uint *point_offsets,        // (P + 1,)
@@ -166,15 +174,16 @@ __kernel void tile_error(const Grid grid,
 {
     __local TileStore store;
     const Ground ground = {grid, heights, holes, detail_heights};
+    const PatchSet set = PATCH_SET;
     const int run = (patches + get_num_groups(0) - 1) / get_num_groups(0);
     const int first = get_group_id(0) * run;
     for (int patch = first; patch < min(first + run, patches); ++patch) {
         if (!changed[patch])
             continue;
-        const Tile tile = tile_at(grid, patch);
-        const Ruler across = ruler_of(tile.cells_across), down = ruler_of(tile.cells_down);
+        const Placing placing = placing_of(grid, set, patch);
+        const Tile tile = placing.tile;
         const bool is_full = shows_all_samples(
-            tile, across, down, points + point_offsets[patch],
+            placing, points + point_offsets[patch],
             point_offsets[patch + 1] - point_offsets[patch],
             triangle_offsets[patch + 1] - triangle_offsets[patch], scratch);
         if (is_full) {
@@ -184,20 +193,27 @@ __kernel void tile_error(const Grid grid,
         }
         for (uint i = point_offsets[patch] + get_local_id(0); i < point_offsets[patch + 1];
              i += GROUP) {
-            const int2 offset = (int2)(cell_offset(across, points[i].x),
-                                       cell_offset(down, points[i].y));
+            const int2 offset = place_of(placing, points[i]);
             const float height = height_between(ground, global_coordinate(tile.column, offset.x),
                                                 global_coordinate(tile.row, offset.y));
             const bool is_off = ((offset.x | offset.y) & (FIXED_ONE - 1)) != 0;
-            corners[i] = (float4)(offset.x * (1.0f / FIXED_ONE), offset.y * (1.0f / FIXED_ONE),
-                                  height, is_off);
+            const float scale = 1.0f / FIXED_ONE / placing.stride;
+            corners[i] = (float4)(offset.x * scale, offset.y * scale, height, is_off);
         }
         barrier(CLK_GLOBAL_MEM_FENCE);
-        const TileSamples samples = tile_samples(ground, tile, &store);
         const float cells = max(tile.row + tile.cells_down, tile.column + tile.cells_across);
-        const float error = group_max(
-            patch_error(samples, triangles, triangle_offsets[patch], triangle_offsets[patch + 1],
-                        corners, cells), scratch);
+        float error = 0.0f;
+        if (placing.stride > 1) {
+            error = details[number_of(set, patch)].x + group_max(
+                lattice_patch_error(ground, tile, placing.stride, triangles, triangle_offsets[patch],
+                                    triangle_offsets[patch + 1], corners, cells), scratch);
+            error += 1e-6f * error;
+        } else {
+            const TileSamples samples = tile_samples(ground, tile, &store);
+            error = group_max(
+                patch_error(samples, triangles, triangle_offsets[patch], triangle_offsets[patch + 1],
+                            corners, cells), scratch);
+        }
         if (get_local_id(0) == 0)
             errors[patch] = error;
     }

@@ -173,7 +173,7 @@ def check_domain(device: Device) -> Check:
         offsets = np.arange(0, len(points) + 1, count, dtype=np.uint32)
         none = device.zeros((0, 3), np.int32)
         pattern = DevicePattern(device.array(points), none, device.array(offsets), none)
-        found = displace_on_device(case.tiles(device), pattern)
+        found = displace_on_device(case.tiles(device).patch_set, pattern)
         patch = np.repeat(np.arange(grid.count), count)
         positions, normals = domain.displace(case.ground, grid, points, patch)
         # a point in a cell without data has no height
@@ -206,7 +206,7 @@ def _unlike_holes(case: Case, device: Device) -> float:
         device.array(np.arange(0, len(points) + 1, side**2, dtype=np.uint32)),
         device.array(np.arange(0, len(triangles) + 1, len(cells), dtype=np.uint32)),
     )
-    found = without_holes_on_device(case.tiles(device), pattern)
+    found = without_holes_on_device(case.tiles(device).patch_set, pattern)
     expected = triangles[holes.kept(case.ground, case.grid, points, triangles, patch)]
     return unequal_rows(found.primitives.host(), expected)
 

@@ -18,6 +18,8 @@ FIXED_ONE: Final = 1 << FIXED_BITS
 MAX_TILE: Final = 63
 DEFAULT_TILE: Final = 15
 
+MAX_LEVELS: Final = 16  # of a quadtree
+
 # corners of the tile, then the far corners of its four neighbours
 CONTROL_POINTS: Final = 12
 EDGES: Final = 4  # u = 0, v = 0, u = 1, v = 1
@@ -46,6 +48,16 @@ GRID: Final = np.dtype(
         ("last_column", np.int32),
         ("dx", np.float32),
         ("dy", np.float32),
+    ]
+)
+
+# a quadtree of patches over the tiles: rows and columns of nodes, and the first node, by level
+TREE: Final = np.dtype(
+    [
+        ("levels", np.int32),
+        ("rows", np.int32, (MAX_LEVELS,)),
+        ("columns", np.int32, (MAX_LEVELS,)),
+        ("first", np.int32, (MAX_LEVELS,)),
     ]
 )
 
@@ -101,7 +113,7 @@ CONSTANTS: Final = {
     "NET_VECTORS": NET_VECTORS,
     **{name.upper(): number for number, name in enumerate(PARTITIONINGS)},
 }
-STRUCTS: Final = {"Grid": GRID, "View": VIEW, "Bins": BINS, "Decal": DECAL}
+STRUCTS: Final = {"Grid": GRID, "Tree": TREE, "View": VIEW, "Bins": BINS, "Decal": DECAL}
 
 _C_NAMES: Final = {"float32": "float", "int32": "int", "uint32": "uint"}
 

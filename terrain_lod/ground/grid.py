@@ -98,6 +98,15 @@ class TileGrid:
         """Sample columns of the tile corners; (TC + 1,)."""
         return _corners(self.columns - 1, self.tile)
 
+    @cached_property
+    def areas(self) -> npt.NDArray[np.int32]:
+        """First row, first column, rows and columns of the cells of each tile; (P, 4)."""
+        rows, columns = self.corner_rows, self.corner_columns
+        parts = np.broadcast_arrays(
+            rows[:-1, None], columns[:-1], np.diff(rows)[:, None], np.diff(columns)
+        )
+        return np.stack([part.ravel() for part in parts], axis=1).astype(np.int32)
+
     def touching(self, rows: slice, columns: slice) -> npt.NDArray[np.int32]:
         """Return the tiles that hold any of these samples, their borders included; sorted.
 

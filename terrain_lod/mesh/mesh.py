@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -18,12 +18,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Patches:
-    """The P patches that a mesh was tessellated from, row by row.
+    """The P patches that a mesh was tessellated from: tiles, row by row, or squares of them.
 
     Attributes
     ----------
     grid : TileGrid
-        The raster's samples, and how they are cut into P tiles, one a patch.
+        The raster's samples, and how they are cut into tiles.
+    areas : (P, 4) int32
+        What each patch covers: its first row and column, and how many rows and columns of cells.
     edge_factors : (P, 4) float32
         Tessellation factors of the edges u = 0, v = 0, u = 1, v = 1 (west, north, east, south);
         0 where the patch was culled.
@@ -32,10 +34,11 @@ class Patches:
     point_offsets, triangle_offsets : (P + 1,) int64
         Where each patch begins among the mesh's vertices and triangles.
     deviation : (P,) float32
-        Standard deviation from the tile's plane; NaN where a tile has no data.
+        Standard deviation from the tile's plane, the largest of several; NaN without data.
     """
 
     grid: TileGrid
+    areas: npt.NDArray[np.int32]
     edge_factors: npt.NDArray[np.float32]
     inside_factors: npt.NDArray[np.float32]
     point_offsets: npt.NDArray[np.int64]
@@ -44,7 +47,7 @@ class Patches:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Tile rows and columns; P is their product."""
+        """Tile rows and columns."""
         return self.grid.shape
 
     @property
@@ -60,6 +63,24 @@ class Patches:
     def drawn(self) -> npt.NDArray[np.bool_]:
         """True where a patch emitted triangles; (P,)."""
         return np.diff(self.triangle_offsets) > 0
+
+    def on_tiles(self, values: npt.NDArray[Any]) -> npt.NDArray[np.float64]:
+        """Return a value for each tile, of one a patch; NaN where no patch is; (TR, TC)."""
+        grid = self.grid
+        tiles = np.full(grid.shape, np.nan)
+        top, left, down, across = self.areas.T
+        first_row, first_column = (
+            np.searchsorted(corners, begin)
+            for corners, begin in ((grid.corner_rows, top), (grid.corner_columns, left))
+        )
+        end_row = np.searchsorted(grid.corner_rows, top + down)
+        end_column = np.searchsorted(grid.corner_columns, left + across)
+        single = (end_row - first_row == 1) & (end_column - first_column == 1)
+        tiles[first_row[single], first_column[single]] = values[single]
+        for patch in np.flatnonzero(~single):
+            rows = slice(first_row[patch], end_row[patch])
+            tiles[rows, first_column[patch] : end_column[patch]] = values[patch]
+        return tiles
 
     @property
     def culled_count(self) -> int:

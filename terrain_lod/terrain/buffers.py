@@ -136,6 +136,53 @@ class DeviceAnalysis:
 
 
 @dataclass(frozen=True, eq=False)
+class PatchSet:
+    """P patches as kernels see them that know where the points of a pattern lie.
+
+    Attributes
+    ----------
+    ground : DeviceGround
+    header : str
+        File of ``kernels/`` that says what a patch is.
+    count : int
+        P.
+    arguments : dict of str to object
+        What this header wants.
+    details : DeviceArray
+        By the numbers that the header gives patches: drift, minimum, maximum, samples without data.
+    """
+
+    ground: DeviceGround
+    header: str
+    count: int
+    arguments: dict[str, Any]
+    details: DeviceArray
+
+    @property
+    def device(self) -> Device:
+        return self.ground.device
+
+    @property
+    def defines(self) -> dict[str, int | str]:
+        """What these kernels are built with."""
+        tile = self.ground.grid.tile
+        return {
+            "PATCHES": f'"{self.header}"',
+            "TILE": tile,
+            "FINER": lattice_levels(tile),
+            **self.ground.defines,
+        }
+
+
+def lattice_levels(tile: int) -> int:
+    """Return how many times finer, as a power of two, a node's lattice is than its finest pattern.
+
+    Four times, as long as that is no more than 65 samples along a side.
+    """
+    return 2 if tile <= 16 else 1 if tile <= 32 else 0
+
+
+@dataclass(frozen=True, eq=False)
 class DevicePatches:
     """The hull stage's input.
 

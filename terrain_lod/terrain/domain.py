@@ -6,10 +6,10 @@ import numpy as np
 
 from ..mesh.vertices import DeviceVertices
 from ..tessellation.pattern import DevicePattern
-from .tiles import DeviceTiles
+from .buffers import PatchSet
 
 
-def displace_on_device(tiles: DeviceTiles, pattern: DevicePattern) -> DeviceVertices:
+def displace_on_device(patches: PatchSet, pattern: DevicePattern) -> DeviceVertices:
     """Put every point of `pattern` on the ground.
 
     Heights are bilinear between samples; normals are the ground's own, from a Sobel operator in
@@ -17,9 +17,9 @@ def displace_on_device(tiles: DeviceTiles, pattern: DevicePattern) -> DeviceVert
 
     Parameters
     ----------
-    tiles : DeviceTiles
+    patches : PatchSet
     pattern : DevicePattern
-        Of quads, one a tile, row by row.
+        Of quads, one a patch.
 
     Returns
     -------
@@ -35,19 +35,20 @@ def displace_on_device(tiles: DeviceTiles, pattern: DevicePattern) -> DeviceVert
     Zink, Pettineo, Hoxley: *Practical Rendering and Computation with Direct3D 11*, section 9.1.1,
     step 3.
     """
-    device, ground, patches = tiles.device, tiles.ground, tiles.grid.count
+    device = patches.device
     count = pattern.points.shape[0]
     device.require(f"{count} vertices", count * 12, count * 12)
     vertices = DeviceVertices(
         device.empty((count, 3), np.float32), device.empty((count, 3), np.float32)
     )
     group = device.group_size(64)
-    kernel = device.kernel("terrain/domain.cl", "domain", GROUP=group, **ground.defines)
+    kernel = device.kernel("terrain/domain.cl", "domain", GROUP=group, **patches.defines)
     kernel(
-        (device.runs(patches) * group,),
+        (device.runs(patches.count) * group,),
         (group,),
-        **ground.arguments,
-        patches=patches,
+        **patches.ground.arguments,
+        **patches.arguments,
+        patches=patches.count,
         point_offsets=pattern.point_offsets,
         points=pattern.points,
         positions=vertices.positions,

@@ -12,15 +12,15 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
+import numpy.typing as npt
 
 from ..camera.camera import Camera
 from ..device.device import DeviceArray
 from ..errors import InputError
 from ..mesh.mesh import Achieved
-from ..tessellation.factors import DeviceFactors
-from ..tessellation.pattern import DevicePattern
+from .leaves import Leaves
 from .lod import PromiseLod
-from .meshing import pattern_on_device
+from .meshing import Tessellated
 from .selection import Selection
 from .tiles import DeviceTiles
 
@@ -35,16 +35,26 @@ _HALVINGS: Final = 13
 
 @dataclass(frozen=True, eq=False)
 class Kept:
-    """The factors and the pattern that keep a promise, and what was measured of them."""
+    """What keeps a promise, and what was measured of it.
 
-    factors: DeviceFactors
-    pattern: DevicePattern
-    achieved: Achieved
+    Attributes
+    ----------
+    made : Tessellated
+    nodes : (P,) int32, or None
+        The quadtree's node of each patch; -1 of one that was split. None where patches are tiles.
+    """
+
+    made: Tessellated
+    nodes: npt.NDArray[np.int32] | None = None
 
     @property
     def triangle_count(self) -> int:
-        count: int = self.pattern.primitives.shape[0]
-        return count
+        return self.made.triangle_count
+
+    @property
+    def achieved(self) -> Achieved:
+        assert self.made.achieved is not None  # it was promised
+        return self.made.achieved
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,6 +92,8 @@ class Promise:
         return self._least_error(lod.triangles, lod.metres, in_pixels=False)
 
     def _within(self, metres: float, pixels: float) -> Kept:
+        if self.partitioning == "integer":
+            return self._within_tree(metres, pixels)
         selection = Selection.start(
             self.tiles,
             self.camera,
@@ -91,32 +103,52 @@ class Promise:
             cull=self.cull,
             weights=self.weights,
         )
+        patches = self.tiles.patch_set
         for rounds in range(1, _MOST_ROUNDS + 1):
             selection.choose()
             # what did not change was measured before
-            pattern = self._pattern(selection.factors if rounds == 1 else selection.only_changed())
-            selection.measure(pattern)
+            factors = selection.factors if rounds == 1 else selection.only_changed()
+            made = Tessellated.of(patches, factors, self.partitioning)
+            selection.measure(made.pattern)
             exceeding, refinable = selection.tighten()
             if refinable == 0:
                 break
         if rounds > 1:
-            pattern = self._pattern(selection.factors)
-        worst = selection.measured.host()
-        allowed = selection.allowed.host()
-        # the error in pixels grows faster than that in metres, so their ratio bounds it
-        weights = 1.0 if self.weights is None else self.weights.host()
-        with np.errstate(invalid="ignore", divide="ignore"):
-            used = np.where(worst > 0, worst / allowed / weights, 0.0)
-        achieved = Achieved(
-            metres=float(worst.max()),
-            pixels=pixels * float(np.nanmax(used, initial=0.0)) if np.isfinite(pixels) else None,
-            kept=exceeding == 0,
-            rounds=rounds,
-        )
-        return Kept(selection.factors, pattern, achieved)
+            made = Tessellated.of(patches, selection.factors, self.partitioning)
+        worst, allowed = selection.measured.host(), selection.allowed.host()
+        if self.weights is not None:
+            allowed *= self.weights.host()
+        achieved = _achieved(worst, allowed, pixels, exceeding, rounds)
+        return Kept(replace(made, achieved=achieved))
 
-    def _pattern(self, factors: DeviceFactors) -> DevicePattern:
-        return pattern_on_device(self.tiles, factors, self.partitioning)
+    def _within_tree(self, metres: float, pixels: float) -> Kept:
+        tree = self.tiles.tree
+        assert tree is not None  # who promises has it made
+        weights = tree.weights(self.weights)
+        with tree.marked() as (stamp, marks):
+            leaves = Leaves(
+                tree,
+                stamp,
+                marks,
+                self.tiles.view(self.camera),
+                cull=self.cull,
+                metres=metres,
+                pixels=pixels,
+                weights=weights,
+            )
+            refinable, rounds = 1, 0
+            while refinable and rounds < _MOST_ROUNDS:
+                rounds += 1
+                leaves.fit()
+                made = Tessellated.of(leaves.patches, leaves.factors, self.partitioning)
+                leaves.measure(made.pattern)
+                exceeding, refinable = leaves.tighten()
+            nodes = leaves.drawn()
+            there = nodes >= 0
+            worst, allowed = leaves.measured.host()[there], leaves.allowed[there]
+            allowed *= weights.host()[nodes[there]]
+        achieved = _achieved(worst, allowed, pixels, exceeding, rounds)
+        return Kept(replace(made, achieved=achieved), nodes)
 
     def _least_error(self, triangles: int, enough: float, *, in_pixels: bool) -> Kept:
         """Return the mesh of at most so many `triangles` with the least error above `enough`."""
@@ -132,7 +164,8 @@ class Promise:
         if best.triangle_count > triangles and in_pixels:
             # beside the eye no vertical error is few enough pixels: then none is promised
             best = self._within(_LARGEST, np.inf)
-            best = replace(best, achieved=replace(best.achieved, pixels=np.inf))
+            achieved = replace(best.achieved, pixels=np.inf)
+            best = replace(best, made=replace(best.made, achieved=achieved))
         if best.triangle_count > triangles:
             raise InputError(
                 f"expected a budget of at least {best.triangle_count} triangles for the patches "
@@ -147,3 +180,22 @@ class Promise:
             else:
                 best, high = found, middle
         return best
+
+
+def _achieved(
+    worst: npt.NDArray[np.float32],
+    allowed: npt.NDArray[np.float32],
+    pixels: float,
+    exceeding: int,
+    rounds: int,
+) -> Achieved:
+    """Return what was measured of patches that were allowed so much, and `pixels` all of them."""
+    # the error in pixels grows faster than that in metres, so their ratio bounds it
+    with np.errstate(invalid="ignore", divide="ignore"):
+        used = np.where(worst > 0, worst / allowed, 0.0)
+    return Achieved(
+        metres=float(worst.max(initial=0.0)),
+        pixels=pixels * float(np.nanmax(used, initial=0.0)) if np.isfinite(pixels) else None,
+        kept=exceeding == 0,
+        rounds=rounds,
+    )

@@ -14,6 +14,7 @@ from ..device.device import DeviceArray, Kernel
 from ..tessellation.factors import DeviceFactors
 from ..tessellation.pattern import DevicePattern
 from .buffers import DeviceGround, DeviceLadder
+from .measure import measure_patches
 from .tiles import DeviceTiles
 
 # how an edge's factor is chosen: by its own error, or from the two tiles' factors
@@ -187,23 +188,7 @@ class Selection:
 
     def measure(self, pattern: DevicePattern) -> None:
         """Measure the triangles of the tiles that changed, at every sample."""
-        ground, grid, device = self.tiles.ground, self.tiles.grid, self.tiles.device
-        group = device.group_size(64)
-        defines = {"TILE": grid.tile, "GROUP": group, "LANES": device.lanes}
-        device.kernel("terrain/tile_error.cl", "tile_error", **defines, **ground.defines)(
-            (device.runs(grid.count) * group,),
-            (group,),
-            **ground.arguments,
-            patches=grid.count,
-            changed=self.changed,
-            point_offsets=pattern.point_offsets,
-            points=pattern.points,
-            triangle_offsets=pattern.primitive_offsets,
-            triangles=pattern.primitives,
-            corners=device.empty((pattern.points.shape[0], 4), np.float32),
-            errors=self.measured,
-            scratch=group * 4,
-        )
+        measure_patches(self.tiles.patch_set, pattern, self.changed, self.measured)
 
     def _kernel(self, name: str) -> Kernel:
         return _kernel(self.tiles.ground, self.edges, name)

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from ..arguments import one_of
+from ..arguments import one_of, whole
 from ..camera.camera import Camera
 from ..device import layout
 from ..device.device import Device
@@ -33,7 +33,7 @@ from .hull import hull_on_device
 from .ladder import empty_ladder
 from .ladder_file import fingerprint, read_ladder, write_ladder
 from .lod import Lod, PromiseLod, Scene, ScreenErrorLod, UniformLod, Weighted
-from .meshing import mesh_of, pattern_on_device
+from .meshing import Tessellated, mesh_of
 from .promise import Promise
 from .queries import heights_on_device, rays_on_device
 from .tiles import DeviceTiles
@@ -52,6 +52,9 @@ class Terrain:
         memory. Tiles are then cells of the detail, and errors promised are those of the sum.
     tile : int, optional
         Cells along a tile, 1 to 63. At 15 the tessellator's factor 15 reproduces the raster.
+    levels : int, optional
+        Sizes of patches that keep a promise: of 1, 2 x 2, 4 x 4, ... tiles. Up to the whole raster
+        where not given; 1 is the flat grid of tiles.
     plane : {"least_squares", "corners"}, optional
         Which plane deviations are measured from.
     device : Device, optional
@@ -82,9 +85,11 @@ class Terrain:
         *,
         detail: Heightmap | None = None,
         tile: int = layout.DEFAULT_TILE,
+        levels: int | None = None,
         plane: str = "least_squares",
         device: Device | None = None,
     ) -> None:
+        self.levels = None if levels is None else whole("levels", levels, 1, layout.MAX_LEVELS)
         relief, device = Relief(ground, detail), device or Device.open()
         # all that is known of the ground: whoever reads it takes it once, and changes replace it
         self._tiles = DeviceTiles.of(DeviceGround.upload(relief, tile, device), plane=plane)
@@ -207,7 +212,7 @@ class Terrain:
         *,
         lod: Lod | PromiseLod | Weighted | None = None,
         edges: str | None = None,
-        partitioning: str = "fractional_odd",
+        partitioning: str | None = None,
         cull: bool = True,
     ) -> Mesh:
         """Tessellate the terrain as a camera deserves it.
@@ -226,6 +231,8 @@ class Terrain:
             the book's), the higher, or by the edge's own error (the default with a promise, and
             for promises alone).
         partitioning : {"fractional_odd", "fractional_even", "integer", "pow2"}, optional
+            How factors divide a patch. ``"integer"``, the default with a promise, has patches of
+            every size; ``"fractional_odd"`` is the default with a formula.
         cull : bool, optional
             Leave out the patches whose bounds are out of view.
 
@@ -243,13 +250,17 @@ class Terrain:
         """
         if lod is None:
             lod = UniformLod(self.grid.tile) if camera is None else ScreenErrorLod()
+        promised = isinstance(lod.lod if isinstance(lod, Weighted) else lod, PromiseLod)
+        partitioning = partitioning or ("integer" if promised else "fractional_odd")
         one_of("partitioning", partitioning, layout.PARTITIONINGS)
         if camera is None and lod.needs_camera:
             raise InputError(f"{type(lod).__name__} needs a camera, got none")
         cull = cull and camera is not None
         weighted, lod = (lod, lod.lod) if isinstance(lod, Weighted) else (None, lod)
         with self.device.timed() as timeline:
-            tiles = self._with_ladder() if isinstance(lod, PromiseLod) else self._tiles
+            tiles = self._tiles
+            if isinstance(lod, PromiseLod):
+                tiles = self._with_tree() if partitioning == "integer" else self._with_ladder()
             weights = None
             if weighted is not None and camera is not None:
                 weights = weights_on_device(
@@ -258,12 +269,13 @@ class Terrain:
             if isinstance(lod, PromiseLod):
                 promise = Promise(tiles, camera, partitioning, edges or "edge", cull, weights)
                 kept = promise.keep(lod)
-                return mesh_of(tiles, kept.factors, kept.pattern, timeline, kept.achieved)
-            factors = hull_on_device(
-                tiles, lod, camera, edges=edges or "min", cull=cull, weights=weights
-            )
-            pattern = pattern_on_device(tiles, factors, partitioning)
-            return mesh_of(tiles, factors, pattern, timeline)
+                made, nodes = kept.made, kept.nodes
+            else:
+                factors = hull_on_device(
+                    tiles, lod, camera, edges=edges or "min", cull=cull, weights=weights
+                )
+                made, nodes = Tessellated.of(tiles.patch_set, factors, partitioning), None
+            return mesh_of(made, *tiles.described(nodes), timeline)
 
     def height_at(self, points: npt.ArrayLike) -> npt.NDArray[np.float64]:
         """Return the ground's elevations at points of the world.
@@ -314,6 +326,12 @@ class Terrain:
         """Return the tiles with their ladder, which threads measure once."""
         with self._changing:
             self._tiles = self._tiles.with_ladder()
+            return self._tiles
+
+    def _with_tree(self) -> DeviceTiles:
+        """Return the tiles with the quadtree over them, which threads make once."""
+        with self._changing:
+            self._tiles = self._tiles.with_tree(self.levels)
             return self._tiles
 
     def _repr_html_(self) -> str:

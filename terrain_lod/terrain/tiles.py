@@ -16,10 +16,11 @@ from ..ground.grid import TileGrid
 from ..ground.heightmap import Heightmap
 from ..ground.relief import Relief
 from .analysis import TileAnalysis, analyse_on_device, analyse_tiles
-from .buffers import DeviceAnalysis, DeviceGround, DeviceLadder, DevicePatches
+from .buffers import DeviceAnalysis, DeviceGround, DeviceLadder, DevicePatches, PatchSet
 from .control_points import control_points_on_device, patches_on_device
 from .ladder import ladder_on_device, measure_tiles
 from .lod import Scene
+from .quadtree import DeviceQuadtree
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,13 +36,16 @@ class DeviceTiles:
     patches : DevicePatches
         What the hull stage of formulas takes.
     ladder : DeviceLadder or None
-        Errors, which promises are kept with; None until the first one asks.
+        Errors, which promises of tiles are kept with; None until the first one asks.
+    tree : DeviceQuadtree or None
+        What promises of patches of every size are kept with; likewise.
     """
 
     ground: DeviceGround
     analysis: DeviceAnalysis
     patches: DevicePatches
     ladder: DeviceLadder | None = None
+    tree: DeviceQuadtree | None = None
 
     @classmethod
     def of(cls, ground: DeviceGround, *, plane: str = "least_squares") -> DeviceTiles:
@@ -54,6 +58,12 @@ class DeviceTiles:
         if self.ladder is not None:
             return self
         return replace(self, ladder=ladder_on_device(self.ground, self.analysis))
+
+    def with_tree(self, levels: int | None) -> DeviceTiles:
+        """Return the same with a quadtree over them, of at most so many levels."""
+        if self.tree is not None:
+            return self
+        return replace(self, tree=DeviceQuadtree.of(self.ground, self.analysis, levels))
 
     def updated(self, ground: Heightmap, rows: slice, columns: slice) -> tuple[DeviceTiles, int]:
         """Return the tiles of another heightmap, and how many of them were looked at anew.
@@ -72,7 +82,14 @@ class DeviceTiles:
         if ladder is not None:
             measure_tiles(uploaded, analysis, ladder, changed)
         patches = replace(self.patches, control_points=points)
-        return DeviceTiles(uploaded, analysis, patches, ladder), len(changed)
+        tree = None if self.tree is None else self.tree.updated(uploaded, analysis, changed)
+        return DeviceTiles(uploaded, analysis, patches, ladder, tree), len(changed)
+
+    @property
+    def patch_set(self) -> PatchSet:
+        """The tiles as patches, as the stages after the hull see them."""
+        header = "terrain/patch_tiles.h"
+        return PatchSet(self.ground, header, self.grid.count, {}, self.analysis.details)
 
     @property
     def device(self) -> Device:
@@ -90,6 +107,16 @@ class DeviceTiles:
     def found(self) -> TileAnalysis:
         """The analysis, brought down."""
         return TileAnalysis.of(self.grid, self.analysis)
+
+    def described(
+        self, nodes: npt.NDArray[np.int32] | None
+    ) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.float32]]:
+        """Return areas and deviations of patches: nodes of the tree, or all tiles."""
+        deviation = self.found.deviation.ravel()
+        if nodes is None:
+            return self.grid.areas, deviation
+        assert self.tree is not None  # whose nodes they are
+        return self.tree.areas(nodes), self.tree.spread(deviation)[nodes]
 
     @cached_property
     def scene(self) -> Scene:

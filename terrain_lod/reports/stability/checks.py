@@ -172,11 +172,11 @@ class OnGround:
         # half the height range lets most of a mesh be coarse
         promise = Promise(self.tiles, None, "fractional_odd", "edge", cull=False)
         kept = promise.keep(MaxErrorLod(max(self.range / 4, 1e-30)))
-        pattern = kept.pattern
+        pattern = kept.made.pattern
         points = pattern.points.host()
         patch = np.repeat(np.arange(self.grid.count), np.diff(pattern.point_offsets.host()))
         positions, normals = domain.displace(self.ground, self.grid, points, patch)
-        found = displace_on_device(self.tiles, pattern)
+        found = displace_on_device(self.tiles.patch_set, pattern)
         used = np.unique(pattern.primitives.host())
         largest = np.array([*self.ground.extent, max(self.highest, 1e-45)])
         yield self._find(

@@ -1,0 +1,249 @@
+// The sides of leaves: watertight between leaves of any size.
+//
+// Where a leaf borders finer ones, its side is theirs one after the other: pieces, each a whole side of
+// the finer leaf, with the factor that the finer leaf has found for it.
+//
+//     +-----------+-----+      side u = 1 of the coarse leaf: two pieces of 3 and 2 segments, so an edge
+//     |           *  3  |      factor of 5; its outer points are moved, by their index, to those of the
+//     |           *     |      pieces. Corners never move.
+//     |           +-----+
+//     |           *  2  |      A piece's factor keeps along its line what the stricter of both sides
+//     +-----------+-----+      is allowed.
+//
+//   side_factors   of sides that are a piece of their own
+//   side_counts    points of every side
+//   side_places    where they lie, in 1/65536 of a cell from the leaf's north-western corner
+//
+// Built with: TILE, FINER, what ground.h is built with.
+#include "terrain/ground.h"
+#include "terrain/neighbour.h"
+#include "terrain/node.h"
+
+#define LINE ((TILE << FINER) + 2)
+#define MOST_SEGMENTS 64
+
+inline Node node_across(const Node node, int side)
+{
+    const Node found = {node.level, node.row + ROW_STEP[side + 1], node.column + COLUMN_STEP[side + 1]};
+    return found;
+}
+
+// a side's first sample, walked east or south
+inline int2 side_start(const Tile tile, int side)
+{
+    return (int2)(side == 2 ? tile.column + tile.cells_across : tile.column,
+                  side == 3 ? tile.row + tile.cells_down : tile.row);
+}
+
+// The fewest segments along a side that stay within `room` of the lattice's samples on it. What both sides
+// of it ask for is the same, to the bit.
+inline int side_segments(const Ground ground, const Tile tile, int stride, int side, float room)
+{
+    const bool down = side % 2 == 0;
+    const int cells = edge_cells(tile, side), most = min(TILE, cells);
+    const int2 start = side_start(tile, side);
+    float heights[LINE];
+    const int lines = (cells + stride - 1) / stride;
+    for (int k = 0; k <= lines; ++k) {
+        const int along = min(k * stride, cells);
+        heights[k] = down ? sample_height(ground, start.y + along, start.x)
+                          : sample_height(ground, start.y, start.x + along);
+    }
+    for (int f = 1; f < most; ++f) {
+        float error = 0.0f, ends[2] = {0.0f, 0.0f};
+        int segment = -1;
+        for (int k = 1; k < lines && error <= room; ++k) {
+            const int place = k * stride * f, here = place / cells;
+            if (here != segment) {
+                segment = here;
+                for (int end = 0; end < 2; ++end) {
+                    const int vertex = (here + end) * cells, line = vertex / (f * stride);
+                    const int next = min(line + 1, lines);
+                    const int width = min(next * stride, cells) - line * stride;
+                    const float t = next == line
+                        ? 0.0f : (float)(vertex - line * f * stride) / (f * width);
+                    ends[end] = heights[line] + (heights[next] - heights[line]) * t;
+                }
+            }
+            const float z = ends[0] + (ends[1] - ends[0]) * ((float)(place - here * cells) / cells);
+            error = larger(error, absolute(z - heights[k]));
+        }
+        if (error <= room)
+            return f;
+    }
+    return most;
+}
+
+// what the errors of a leaf's pattern may use, beside its lattice's own
+inline float room_of(float allowed, float share, float drift)
+{
+    return share > 0.0f ? allowed * share - drift : 0.0f;
+}
+
+// A side that is a piece of its own: is all that is across of its own size, or larger?
+inline bool is_piece(const Tree tree, __global const uint *marks, uint stamp, const Node node, int side)
+{
+    const Node across = node_across(node, side);
+    return !is_in_tree(tree, across) || mark_of(marks, stamp, node_index(tree, across)) != SPLIT;
+}
+
+#define LEAF_ARGUMENTS                                                                             \
+    const Grid grid, __global const float *heights, __global const uchar *holes,                   \
+    __global const float *detail_heights, const Tree tree,                                         \
+    __global const float4 *details,             /* (N,) */                                         \
+    const uint stamp, __global const uint *marks, __global const float *allowed,    /* (N,) */     \
+    const int count, __global const int *leaves, __global const float *shares,      /* (P,) */     \
+    __global const int *leaf_of                 /* (N,) */
+
+__kernel void side_factors(LEAF_ARGUMENTS, __global int *factors)       // (P, 4) 0 where not a piece
+{
+    const int leaf = get_global_id(0);
+    if (leaf >= count)
+        return;
+    const Ground ground = {grid, heights, holes, detail_heights};
+    const int index = leaves[leaf];
+    const Node node = node_at(tree, index);
+    if (mark_of(marks, stamp, index) != LEAF)
+        return;
+    const Tile tile = node_tile(grid, node);
+    const float own = room_of(allowed[index], shares[leaf], details[index].x);
+    for (int side = 0; side < EDGES; ++side) {
+        factors[leaf * EDGES + side] = 0;
+        if (!is_piece(tree, marks, stamp, node, side))
+            continue;
+        float room = own;
+        bool holed = details[index].w > 0.0f;
+        const Node across = node_across(node, side);
+        if (is_in_tree(tree, across)) {
+            const int cover = node_index(tree, cover_of(tree, marks, stamp, across));
+            // tiles with holes are meshed in full, their sides too
+            holed |= node.level == 0 && details[node_index(tree, across)].w > 0.0f;
+            if (mark_of(marks, stamp, cover) == LEAF)
+                room = smaller(room, room_of(allowed[cover], shares[leaf_of[cover]],
+                                             details[cover].x));
+        }
+        factors[leaf * EDGES + side] = holed || !(room > 0.0f)
+            ? min(TILE, edge_cells(tile, side))
+            : side_segments(ground, tile, stride_of(node.level), side, room);
+    }
+}
+
+// a walk along the pieces of a side
+typedef struct {
+    Node tile;              // the next tile across
+    int left;               // tiles yet to come
+} Walk;
+
+inline Walk walk_along(const Grid grid, const Node node, int side)
+{
+    const int k = node.level;
+    const bool down = side % 2 == 0;
+    const int row = node.row << k, column = node.column << k;
+    const int rows = min(1 << k, grid.tile_rows - row), columns = min(1 << k, grid.tile_columns - column);
+    const Walk walk = {{0, side == 1 ? row - 1 : side == 3 ? row + rows : row,
+                        side == 0 ? column - 1 : side == 2 ? column + columns : column},
+                       down ? rows : columns};
+    return walk;
+}
+
+// the piece that a walk has come to, whose segments lie from `begin` on
+typedef struct {
+    int segments, begin, cells;
+    int level;
+} Piece;
+
+inline Piece next_piece(const Ground ground, const Tree tree, __global const float4 *details,
+                        __global const uint *marks, uint stamp, __global const int *leaf_of,
+                        __global const int *factors, const Tile leaf_tile, int side, float room,
+                        Walk *walk)
+{
+    const Node cover = cover_of(tree, marks, stamp, walk->tile);
+    const int index = node_index(tree, cover), opposite = (side + 2) % EDGES;
+    const Tile tile = node_tile(ground.grid, cover);
+    const bool down = side % 2 == 0;
+    const int2 start = side_start(leaf_tile, side), begin = side_start(tile, opposite);
+    Piece piece;
+    // what is across and not drawn has no say
+    piece.segments = mark_of(marks, stamp, index) == LEAF
+        ? factors[leaf_of[index] * EDGES + opposite]
+        : !(room > 0.0f) ? min(TILE, edge_cells(tile, side))
+                         : side_segments(ground, tile, stride_of(cover.level), opposite, room);
+    piece.begin = down ? begin.y - start.y : begin.x - start.x;
+    piece.cells = edge_cells(tile, side);
+    piece.level = cover.level;
+    walk->left -= 1 << cover.level;
+    if (down)
+        walk->tile.row += 1 << cover.level;
+    else
+        walk->tile.column += 1 << cover.level;
+    return piece;
+}
+
+// How many points each side has, and whether it is as it was before; FILL puts them.
+inline int side_points(LEAF_ARGUMENTS, __global const int *factors, int leaf, int side, uint *key,
+                       __global int *places)
+{
+    const Ground ground = {grid, heights, holes, detail_heights};
+    const int index = leaves[leaf];
+    const Node node = node_at(tree, index);
+    const Tile tile = node_tile(grid, node);
+    const int own = factors[leaf * EDGES + side];
+    const float room = room_of(allowed[index], shares[leaf], details[index].x);
+    Walk walk = walk_along(grid, node, side);
+    int segments = 0;
+    *key = 0;
+    while (walk.left > 0) {
+        Piece piece = {own, 0, edge_cells(tile, side), node.level};
+        if (own > 0)
+            walk.left = 0;
+        else
+            piece = next_piece(ground, tree, details, marks, stamp, leaf_of, factors, tile, side, room,
+                               &walk);
+        const int f = piece.segments;
+        if (places)
+            for (int k = 0; k <= f; ++k)
+                places[segments + k] = piece.begin * FIXED_ONE
+                                     + (int)(((long)k * piece.cells * FIXED_ONE + f / 2) / f);
+        segments += f;
+        *key = *key * 1031 + piece.level * 67 + f;
+    }
+    return segments + 1;
+}
+
+__kernel void side_counts(LEAF_ARGUMENTS, __global const int *factors,      // (P, 4)
+                          __global uint *keys,                      // (P * 4,) of its pieces
+                          __global uint *counts,                    // (P * 4,)
+                          __global float *edge_factors,             // (P, 4) 0 where not drawn
+                          __global uchar *changed,                  // (P,)
+                          __global uchar *failed)                   // (P,) more than fit
+{
+    const int i = get_global_id(0);
+    if (i >= count * EDGES)
+        return;
+    const int leaf = i / EDGES;
+    counts[i] = 0;
+    edge_factors[i] = 0.0f;
+    if (mark_of(marks, stamp, leaves[leaf]) != LEAF)
+        return;
+    uint key;
+    counts[i] = side_points(grid, heights, holes, detail_heights, tree, details, stamp, marks, allowed,
+                            count, leaves, shares, leaf_of, factors, leaf, i % EDGES, &key, 0);
+    edge_factors[i] = counts[i] - 1;
+    if (keys[i] != key)
+        changed[leaf] = 1;
+    keys[i] = key;
+    if (counts[i] > MOST_SEGMENTS + 1)
+        failed[leaf] = 1;
+}
+
+__kernel void side_places(LEAF_ARGUMENTS, __global const int *factors,      // (P, 4)
+                          __global const uint *offsets,             // (P * 4 + 1,)
+                          __global int *places)
+{
+    const int i = get_global_id(0);
+    if (i >= count * EDGES || offsets[i] == offsets[i + 1])
+        return;
+    uint key;
+    side_points(grid, heights, holes, detail_heights, tree, details, stamp, marks, allowed, count,
+                leaves, shares, leaf_of, factors, i / EDGES, i % EDGES, &key, places + offsets[i]);
+}
