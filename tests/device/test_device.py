@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 import threading
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -372,3 +373,30 @@ def test_timelines_add_up_by_stage_and_nest(device: Device, folder: Path) -> Non
     assert list(inner.seconds) == ["add"]
     assert outer.seconds["add"] > inner.seconds["add"] > 0
     assert outer.seconds["also"] < 60
+
+
+def test_a_timeline_sees_the_launches_of_its_own_thread(device: Device, folder: Path) -> None:
+    (folder / "add.cl").write_text(ADD)
+    sums = device.zeros(1 << 16, np.float32)
+
+    def launch() -> dict[str, float]:
+        with device.timed() as own:
+            kernel = device.kernel("add.cl", "add")
+            kernel(sums.shape, (64,), sums=sums, term=1.0, count=sums.size)
+        return own.seconds
+
+    with device.timed() as mine:
+        with ThreadPoolExecutor(1) as other:
+            theirs = other.submit(launch).result()
+        assert mine.seconds == {}
+        launch()
+    assert list(theirs) == list(mine.seconds) == ["add"]
+    assert (sums.host() == 2).all()
+
+
+def test_a_copy_is_another_array_of_the_same_values(device: Device) -> None:
+    one = device.array(np.arange(6, dtype=np.int16).reshape(2, 3))
+    other = one.copy()
+    one.write([9])
+    assert other.host().tolist() == [[0, 1, 2], [3, 4, 5]]
+    assert device.empty((0, 3), np.float32).copy().host().shape == (0, 3)

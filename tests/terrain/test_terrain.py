@@ -141,3 +141,21 @@ def test_wrong_tile(tile: float) -> None:
 def test_unknown_partitioning_lists_what_exists() -> None:
     with pytest.raises(tl.InputError, match="fractional_odd"):
         tl.Terrain(rough()).mesh(lod=tl.UniformLod(3), partitioning="odd")
+
+
+@pytest.mark.parametrize("tile", [7, 15])
+@pytest.mark.parametrize("shape", [(61, 46), (100, 77)])
+def test_without_camera_and_level_of_detail_every_sample_is_a_vertex(tile: int, shape) -> None:
+    ground = rough(*shape, spacing=(30.0, 20.0), origin=(500_000, 4_000_000))
+    mesh = tl.Terrain(ground, tile=tile).mesh()
+    assert tl.vertical_error(mesh, ground).maximum == 0
+    row, column = np.indices(shape).reshape(2, -1)
+    places = {tuple(place) for place in mesh.vertices[:, :2].tolist()}
+    assert set(zip((column * 30.0).tolist(), (row * -20.0).tolist(), strict=True)) <= places
+    if tile == 15 and shape == (61, 46):  # in whole tiles: and nothing else
+        assert len(mesh.triangles) == 2 * 60 * 45
+
+
+def test_a_level_of_detail_that_needs_a_camera_says_so() -> None:
+    with pytest.raises(tl.InputError, match="ScreenErrorLod needs a camera, got none"):
+        tl.Terrain(rough()).mesh(lod=tl.ScreenErrorLod())
