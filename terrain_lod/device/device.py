@@ -273,15 +273,33 @@ class DeviceArray:
             with named("writing", self):
                 cl.enqueue_copy(self.device.queue, self.buffer, flat, dst_offset=offset)
 
-    def copy(self) -> DeviceArray:
-        """Return another array of the same values."""
-        other = self.device.empty(self.shape, self.dtype)
-        if self.size:
+    def copy(self, first: int, end: int) -> DeviceArray:
+        """Return another array of the rows from `first` to before `end`."""
+        other = self.device.empty((end - first, *self.shape[1:]), self.dtype)
+        row = prod(self.shape[1:]) * self.dtype.itemsize
+        if other.size:
             with named("copying", self):
                 cl.enqueue_copy(
-                    self.device.queue, other.buffer, self.buffer, byte_count=self.nbytes
+                    self.device.queue,
+                    other.buffer,
+                    self.buffer,
+                    src_offset=first * row,
+                    byte_count=other.nbytes,
                 )
         return other
+
+    def paste(self, other: DeviceArray, first: int) -> None:
+        """Overwrite the rows from `first` on with those of another array on the device."""
+        row = prod(self.shape[1:]) * self.dtype.itemsize
+        if other.size:
+            with named("copying", other):
+                cl.enqueue_copy(
+                    self.device.queue,
+                    self.buffer,
+                    other.buffer,
+                    dst_offset=first * row,
+                    byte_count=other.nbytes,
+                )
 
     def fill(self, value: float) -> DeviceArray:
         """Set every element to `value` and return the array."""

@@ -37,6 +37,7 @@ from .meshing import mesh_of, pattern_on_device
 from .promise import Promise
 from .queries import heights_on_device, rays_on_device
 from .tiles import DeviceTiles
+from .turns import Turns
 from .weights import weights_on_device
 
 
@@ -72,8 +73,8 @@ class Terrain:
 
     Notes
     -----
-    Threads may share one: each call works on the ground as it was when the call began, and an
-    update is seen whole or not at all.
+    Threads may share one: an update waits until the calls before it have ended, and those after it
+    wait for it.
     """
 
     def __init__(
@@ -86,9 +87,8 @@ class Terrain:
         device: Device | None = None,
     ) -> None:
         relief, device = Relief(ground, detail), device or Device.open()
-        # all that is known of the ground: whoever reads it takes it once, and changes replace it
         self._tiles = DeviceTiles.of(DeviceGround.upload(relief, tile, device), plane=plane)
-        self._changing = threading.Lock()
+        self._turns, self._measuring = Turns(), threading.Lock()
 
     def update(self, rows: slice, columns: slice, heights: npt.ArrayLike) -> int:
         """Replace samples of the ground, and analyse the tiles that they touch anew.
@@ -96,8 +96,7 @@ class Terrain:
         Detail stays what it is: samples and heights are those of the ground without it.
 
         All that is known of these tiles is as if the terrain had been made of the new ground, to
-        the bit; :attr:`ground` is that new ground. On an error nothing has changed. Meanwhile the
-        device holds the terrain twice.
+        the bit; :attr:`ground` is that new ground. On an error nothing has changed.
 
         Parameters
         ----------
@@ -117,13 +116,11 @@ class Terrain:
             If the slices reach out of the raster, the shape is another, heights are infinite, or
             no data would be left.
         DeviceMemoryError
-            If the device cannot hold the terrain twice.
+            If the device cannot hold what is replaced beside what replaces it.
         """
-        with self._changing:
+        with self._turns.changing():
             ground, rows, columns = self.ground.with_elevations(rows, columns, heights)
-            tiles, count = self._tiles.updated(ground, rows, columns)
-            self.device.finish()  # what fails there fails before anything has changed
-            self._tiles = tiles
+            self._tiles, count = self._tiles.updated(ground, rows, columns)
         return count
 
     def save_ladder(self, path: str | Path) -> Path:
@@ -144,9 +141,11 @@ class Terrain:
         FileError
             If the file cannot be written.
         """
-        path, tiles = Path(path), self._with_ladder()
-        assert tiles.ladder is not None
-        arrays = {name: array.host() for name, array in tiles.ladder.measured().items()}
+        path = Path(path)
+        with self._turns.reading():
+            tiles = self._with_ladder()
+            assert tiles.ladder is not None
+            arrays = {name: array.host() for name, array in tiles.ladder.measured().items()}
         write_ladder(path, fingerprint(tiles.ground.relief, tiles.grid.tile), arrays)
         return path
 
@@ -158,7 +157,7 @@ class Terrain:
         FileError
             If the file cannot be read, or is the ladder of other ground or of other tiles.
         """
-        with self._changing:
+        with self._turns.changing():
             tiles = self._tiles
             ladder = empty_ladder(self.device, tiles.grid)
             shapes = {name: array.shape for name, array in ladder.measured().items()}
@@ -179,7 +178,8 @@ class Terrain:
     @property
     def analysis(self) -> TileAnalysis:
         """Planes, deviations and ranges of the tiles."""
-        return self._tiles.found
+        with self._turns.reading():
+            return self._tiles.found
 
     @property
     def ground(self) -> Heightmap:
@@ -199,7 +199,8 @@ class Terrain:
     @property
     def scene(self) -> Scene:
         """What levels of detail take their defaults from."""
-        return self._tiles.scene
+        with self._turns.reading():
+            return self._tiles.scene
 
     def mesh(
         self,
@@ -248,7 +249,7 @@ class Terrain:
             raise InputError(f"{type(lod).__name__} needs a camera, got none")
         cull = cull and camera is not None
         weighted, lod = (lod, lod.lod) if isinstance(lod, Weighted) else (None, lod)
-        with self.device.timed() as timeline:
+        with self._turns.reading(), self.device.timed() as timeline:
             tiles = self._with_ladder() if isinstance(lod, PromiseLod) else self._tiles
             weights = None
             if weighted is not None and camera is not None:
@@ -285,7 +286,9 @@ class Terrain:
         DeviceError
             If the device has no 64-bit floats.
         """
-        return heights_on_device(self._tiles, checked_points(points))
+        points = checked_points(points)
+        with self._turns.reading():
+            return heights_on_device(self._tiles, points)
 
     def cast(self, origins: npt.ArrayLike, directions: npt.ArrayLike) -> Hits:
         """Find what rays meet first of the ground itself, bilinear between its samples.
@@ -308,11 +311,13 @@ class Terrain:
         DeviceError
             If the device has no 64-bit floats.
         """
-        return rays_on_device(self._tiles, *checked_rays(origins, directions))
+        rays = checked_rays(origins, directions)
+        with self._turns.reading():
+            return rays_on_device(self._tiles, *rays)
 
     def _with_ladder(self) -> DeviceTiles:
-        """Return the tiles with their ladder, which threads measure once."""
-        with self._changing:
+        """Return the tiles with their ladder, which one of the threads that read measures."""
+        with self._measuring:
             self._tiles = self._tiles.with_ladder()
             return self._tiles
 

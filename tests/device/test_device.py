@@ -394,9 +394,12 @@ def test_a_timeline_sees_the_launches_of_its_own_thread(device: Device, folder: 
     assert (sums.host() == 2).all()
 
 
-def test_a_copy_is_another_array_of_the_same_values(device: Device) -> None:
-    one = device.array(np.arange(6, dtype=np.int16).reshape(2, 3))
-    other = one.copy()
-    one.write([9])
-    assert other.host().tolist() == [[0, 1, 2], [3, 4, 5]]
-    assert device.empty((0, 3), np.float32).copy().host().shape == (0, 3)
+def test_rows_are_copied_and_pasted_on_the_device(device: Device) -> None:
+    one = device.array(np.arange(12, dtype=np.int16).reshape(4, 3))
+    rows = one.copy(1, 3)
+    one.fill(9)
+    assert rows.host().tolist() == [[3, 4, 5], [6, 7, 8]]
+    one.paste(rows, 2)
+    assert one.host().tolist() == [[9, 9, 9], [9, 9, 9], [3, 4, 5], [6, 7, 8]]
+    one.paste(one.copy(2, 2), 0)
+    assert one.host()[0].tolist() == [9, 9, 9]
