@@ -11,6 +11,7 @@ import numpy.typing as npt
 from ..camera.camera import Camera
 from ..device.device import Device
 from ..device.layout import DEFAULT_TILE, FIXED_ONE
+from ..errors import InputError
 from ..ground.grid import TileGrid
 from ..ground.heightmap import Heightmap
 from ..ground.relief import Relief
@@ -23,19 +24,14 @@ from ..reference.terrain import (
     holes,
     hull,
 )
+from ..reference.terrain.lod import Formula
 from ..terrain.analysis import PLANES, analyse_on_device
 from ..terrain.buffers import DeviceAnalysis, DeviceGround
 from ..terrain.domain import displace_on_device
 from ..terrain.holes import without_holes_on_device
 from ..terrain.hull import EDGE_RULES, hull_on_device, patches_on_device
-from ..terrain.lod import (
-    CoplanarityLod,
-    DistanceLod,
-    Lod,
-    Scene,
-    ScreenAreaLod,
-    UniformLod,
-)
+from ..terrain.lod import Lod, Scene
+from ..terrain.lod_formulas import CoplanarityLod, DistanceLod, ScreenAreaLod, UniformLod
 from ..tessellation.pattern import DevicePattern
 from .checkup import Check, largest_difference, unequal_rows
 
@@ -136,7 +132,34 @@ def check_control_points(device: Device) -> Check:
 
 
 def check_hull(device: Device) -> Check:
-    differences = []
+    worst = max(check_lod(lod, device=device).error for lod in _LODS)
+    return Check(worst, _SEGMENTS, "segments")
+
+
+def check_lod(lod: Lod, reference: Formula | None = None, *, device: Device | None = None) -> Check:
+    """Compare what a level of detail's header computes with its reference, on rough ground.
+
+    Parameters
+    ----------
+    lod : Lod
+    reference : callable, optional
+        ``(patch, parameters) -> segments`` in float64: see
+        :class:`terrain_lod.reference.terrain.lod.Patch`. Default: that of a header of ``kernels/``.
+    device : Device, optional
+
+    Returns
+    -------
+    Check
+        ``error`` is the worst difference of a factor, in segments; ``bound`` what rounding allows.
+
+    Raises
+    ------
+    InputError
+        If `lod` has no header.
+    """
+    if not isinstance(lod, Lod):
+        raise InputError(f"expected a level of detail with a header, got {lod!r}")
+    device, differences = device or Device.open(), []
     for case in cases():
         ground, grid = case.ground, case.grid
         x, y, z = ground.centre
@@ -144,16 +167,13 @@ def check_hull(device: Device) -> Check:
         view, eye = camera.view(case.origin), np.subtract(camera.eye, case.origin)
         low = ground.height_range[0] - ground.base
         patches = patches_on_device(case.upload(device), grid, fallback=low)
-        fits = case.upload_analysis(device)
-        for lod in _LODS:
-            for edges in EDGE_RULES:
-                found = hull_on_device(grid, patches, fits, lod, _SCENE, view, edges=edges)
-                planes = camera.planes(case.origin)
-                edge, inside = hull.factors(
-                    ground, grid, case.fits, lod, _SCENE, eye, planes, edges=edges, camera=camera
-                )
-                differences.append(largest_difference(found.edge.host(), edge))
-                differences.append(largest_difference(found.inside.host(), inside))
+        fits, planes = case.upload_analysis(device), camera.planes(case.origin)
+        for edges in EDGE_RULES:
+            found = hull_on_device(grid, patches, fits, lod, _SCENE, view, edges=edges)
+            looked: dict[str, Any] = {"edges": edges, "camera": camera, "formula": reference}
+            edge, inside = hull.factors(ground, grid, case.fits, lod, _SCENE, eye, planes, **looked)
+            differences.append(largest_difference(found.edge.host(), edge))
+            differences.append(largest_difference(found.inside.host(), inside))
     return Check(max(differences), _SEGMENTS, "segments")
 
 

@@ -31,7 +31,7 @@ from ..tessellation.semi_uniform import semi_uniform_device
 from ..tessellation.tessellator import tessellate_device
 from .adjacency import Adjacency
 from .curved_mesh import CurvedMesh
-from .patch_factors import MAX_FACTOR, EdgeFactor, UniformFactor
+from .patch_factors import MAX_FACTOR, EdgeFactor, UniformFactor, checked_formula
 from .patched_mesh import PatchedMesh, require_curvable
 from .pn import (
     DevicePatchMesh,
@@ -153,11 +153,12 @@ def view_for(
     Raises
     ------
     InputError
-        If there are both a factor and a formula, or a formula lacks the camera that it needs.
+        If there are both a factor and a formula, `lod` is no formula for edges, or it lacks the
+        camera that it needs.
     """
     if lod is not None and factor is not None:
         raise InputError(f"expected a factor or a lod, got both {factor!r} and {lod}")
-    if lod is not None and lod.needs_camera and camera is None:
+    if lod is not None and checked_formula(lod).needs_camera and camera is None:
         raise InputError(f"{type(lod).__name__} needs a camera, got none")
     return np.zeros((), layout.VIEW) if camera is None else camera.view(mesh.origin)
 

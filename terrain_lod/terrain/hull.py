@@ -10,6 +10,7 @@ import numpy.typing as npt
 from ..arguments import one_of
 from ..device import layout
 from ..device.arrays import DeviceArray
+from ..device.formulas import formula_defines, formula_numbers
 from ..ground.grid import TileGrid
 from ..tessellation.factors import DeviceFactors
 from .buffers import DeviceAnalysis, DeviceGround, DevicePatches
@@ -134,10 +135,8 @@ def hull_on_device(
     device = analysis.details.device
     rule = EDGE_RULES[one_of("edge rule", edges, EDGE_RULES)]
     parameters = lod.parameters(scene)
-    names = {f"LOD_{name.upper()}": index for index, name in enumerate(parameters)}
-    kernel = device.kernel(
-        "terrain/hull.cl", "hull", LOD=f'"{lod.header}"', EDGE_RULE=rule, **names
-    )
+    formula = formula_defines("LOD", lod.header, parameters, prefix="LOD_")
+    kernel = device.kernel("terrain/hull.cl", "hull", EDGE_RULE=rule, **formula)
     factors = DeviceFactors(
         device.empty((grid.count, layout.EDGES), np.float32),
         device.empty((grid.count, layout.INSIDES), np.float32),
@@ -148,7 +147,7 @@ def hull_on_device(
         grid=grid.record(),
         view=view,
         cull=int(cull),
-        parameters=device.array(np.array(list(parameters.values()), np.float32)),
+        parameters=formula_numbers(device, parameters),
         control_points=patches.control_points,
         patch_indices=patches.indices,
         planes=analysis.planes,

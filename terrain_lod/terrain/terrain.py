@@ -40,13 +40,8 @@ from .holes import without_holes_on_device
 from .hull import displace_corners, hull_on_device, patches_on_device
 from .ladder import empty_ladder, ladder_on_device, measure_tiles
 from .ladder_file import fingerprint, read_ladder, write_ladder
-from .lod import (
-    Lod,
-    PromiseLod,
-    Scene,
-    ScreenErrorLod,
-    Weighted,
-)
+from .lod import AnyLod, Lod, PromiseLod, Scene, Weighted, checked_lod, unweighted
+from .lod_promises import ScreenErrorLod
 from .promise import Promise
 from .queries import heights_on_device, rays_on_device
 from .weights import weights_on_device
@@ -217,7 +212,7 @@ class Terrain:
         self,
         camera: Camera | None = None,
         *,
-        lod: Lod | PromiseLod | Weighted | None = None,
+        lod: AnyLod | None = None,
         edges: str | None = None,
         partitioning: str = "fractional_odd",
         cull: bool = True,
@@ -247,11 +242,12 @@ class Terrain:
         Raises
         ------
         InputError
-            If the level of detail needs a camera and there is none, or a name is unknown.
+            If `lod` is no level of detail, or needs a camera and there is none, or a name is
+            unknown.
         DeviceMemoryError
             If the device cannot hold the mesh.
         """
-        lod = lod or ScreenErrorLod()
+        lod = ScreenErrorLod() if lod is None else checked_lod(lod)
         one_of("partitioning", partitioning, layout.PARTITIONINGS)
         if camera is None and lod.needs_camera:
             raise InputError(f"{type(lod).__name__} needs a camera, got none")
@@ -259,7 +255,7 @@ class Terrain:
         achieved = None
         with self.device.timed() as timeline:
             weights = self._weights(camera, lod)
-            lod = lod.lod if isinstance(lod, Weighted) else lod
+            lod = unweighted(lod)
             if isinstance(lod, PromiseLod):
                 promise = self._promise(camera, edges or "edge", partitioning, cull, weights)
                 kept = promise.keep(lod)
@@ -328,9 +324,7 @@ class Terrain:
     def _view(self, camera: Camera | None) -> npt.NDArray[Any]:
         return np.zeros((), layout.VIEW) if camera is None else camera.view(self.origin)
 
-    def _weights(
-        self, camera: Camera | None, lod: Lod | PromiseLod | Weighted
-    ) -> DeviceArray | None:
+    def _weights(self, camera: Camera | None, lod: AnyLod) -> DeviceArray | None:
         if not isinstance(lod, Weighted):
             return None
         return weights_on_device(

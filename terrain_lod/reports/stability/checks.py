@@ -33,7 +33,9 @@ from ...terrain.buffers import DeviceGround
 from ...terrain.domain import displace_on_device
 from ...terrain.hull import hull_on_device, patches_on_device
 from ...terrain.ladder import ladder_on_device
-from ...terrain.lod import CoplanarityLod, MaxErrorLod, Scene
+from ...terrain.lod import Scene
+from ...terrain.lod_formulas import CoplanarityLod
+from ...terrain.lod_promises import MaxErrorLod
 from ...terrain.promise import Promise
 from ...terrain.selection import Selection
 from ...terrain.terrain import Terrain
