@@ -32,7 +32,8 @@ ROOMS = {
     "measure": "errors device ground camera mesh reference",
     "drawing": "errors arguments paths device ground camera tessellation mesh terrain",
     "accessor": "ground mesh measure",
-    "checks": "numbered device ground camera tessellation mesh terrain curved reference measure",
+    "checks": """errors numbered device ground camera tessellation mesh terrain curved reference
+                 measure""",
     "viewer": """errors arguments paths numbered device ground camera mesh files terrain curved
                  measure drawing""",
     "reports": """errors arguments paths numbered device ground camera tessellation mesh terrain

@@ -19,7 +19,7 @@ from ..camera.camera import Camera
 from ..errors import FileError, InputError
 from ..mesh.mesh import Mesh
 from ..paths import replacing, require_made
-from ..terrain.lod import AnyLod, unweighted
+from ..terrain.lod import AnyLod, checked_lod, unweighted
 from ..terrain.terrain import Terrain
 from .drape import Drape
 from .graphics import require_graphics
@@ -85,6 +85,8 @@ def render_path(
     meshing: dict[str, Any] = {"edges": edges, "partitioning": partitioning}
     if len(lods) not in (1, 2):
         raise InputError(f"expected one or two levels of detail, got {len(lods)}")
+    for lod in lods:
+        checked_lod(lod)
     require_graphics()
     folder = require_made(Path(directory))
     _require_same(folder, _description(terrain, cameras, lods, look, meshing))

@@ -29,4 +29,5 @@ def name_of(lod: AnyLod) -> str:
     kind = type(unweighted(lod))
     # a file that a row was found in is no name
     named = (name for name, each in LODS.items() if each is kind and ":" not in name)
-    return f"{'weighted ' * isinstance(lod, Weighted)}{next(named, kind.__name__)}"
+    name = next(named, kind.__name__.removesuffix("Lod"))
+    return f"weighted-{name}" if isinstance(lod, Weighted) else name
