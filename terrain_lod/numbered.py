@@ -140,14 +140,11 @@ class Numbered:
 
     Attributes
     ----------
-    keeps : str
-        What a mesh made with it keeps to, in a few words; empty if nothing.
     swept : str
         The number that a comparison tries several values of. Default: the first.
     needs_camera : bool
     """
 
-    keeps: ClassVar[str] = ""
     swept: ClassVar[str] = ""
     needs_camera: ClassVar[bool] = True
 

@@ -224,7 +224,10 @@ def edge_factors(
         lod = UniformFactor() if factor is None else UniformFactor(finite("factor", factor))
     if lod is not None:
         return edge_factors_on_device(patches, lod, diagonal, view)
-    given = np.asarray(factor, np.float32)
+    try:
+        given = np.asarray(factor, np.float32)
+    except (TypeError, ValueError):
+        raise InputError(f"expected a factor, or one an edge, got {factor!r}") from None
     if given.shape != adjacency.edges.shape:
         raise InputError(
             f"expected a factor, or one an edge {adjacency.edges.shape}, got shape {given.shape}"

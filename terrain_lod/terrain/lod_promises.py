@@ -27,7 +27,6 @@ class MaxErrorLod(PromiseLod):
         logarithmic=True,
         help="vertical error to keep, in the raster's unit",
     )
-    keeps: ClassVar[str] = "a vertical error"
 
 
 @dataclass(frozen=True)
@@ -48,7 +47,6 @@ class ScreenErrorLod(PromiseLod):
         help="error in the picture to keep, in pixels",
     )
     needs_camera: ClassVar[bool] = True
-    keeps: ClassVar[str] = "an error in a camera's picture"
 
 
 @dataclass(frozen=True)
@@ -79,7 +77,6 @@ class BudgetLod(PromiseLod):
     metres: float = number(
         0.0, low=0.0, unit="m", help="vertical error that is good enough: it then goes by that"
     )
-    keeps: ClassVar[str] = "a number of triangles"
 
     def __post_init__(self) -> None:
         super().__post_init__()

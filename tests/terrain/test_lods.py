@@ -20,7 +20,6 @@ from terrain_lod.numbered import begin, numbers_of, summary_of
 from terrain_lod.reference.terrain.lod import FORMULAS
 from terrain_lod.reports.compare.sweep import swept_of
 from terrain_lod.reports.report import report
-from terrain_lod.terrain.lod import PromiseLod
 from terrain_lod.terrain.lods import LODS, name_of
 
 GROUND = rough(60, 50, spacing=(30.0, 20.0))
@@ -79,7 +78,6 @@ def test_every_formula_has_its_header_its_reference_and_its_row() -> None:
 def test_a_row_says_what_people_are_told(name: str) -> None:
     kind = LODS[name]
     assert len(summary_of(kind)) > 10
-    assert bool(kind.keeps) == issubclass(kind, PromiseLod)
     for number in numbers_of(kind).values():
         assert number.help
     # a viewer and a comparison can begin with it
@@ -158,3 +156,10 @@ def test_numbers_are_kept_as_numbers() -> None:
     lod = tl.DistanceLod(near=np.float32(1), maximum=np.int64(7))
     assert repr(lod) == "DistanceLod(near=1.0, far=None, minimum=1.0, maximum=7.0, falloff=1.0)"
     assert repr(tl.BudgetLod(np.int64(9))) == "BudgetLod(triangles=9, pixels=0.0, metres=0.0)"
+
+
+@pytest.mark.parametrize("factor", [tl.UniformLod(3), "5", [["a"] * 3] * 12, object()], ids=str)
+def test_a_factor_is_a_number_or_one_an_edge(factor: object) -> None:
+    with pytest.raises(tl.InputError, match="factor") as caught:
+        tl.pn_triangles(cube(), factor)
+    assert "\n" not in str(caught.value)
