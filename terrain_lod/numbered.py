@@ -77,13 +77,13 @@ class Number:
             raise InputError(f"expected a multiple of {self.step:g} for {name}, got {number:g}")
         ends = math.isfinite(self.high)
         if self.low is None and not 0 < number <= self.high:
-            range_ = f"{name} above 0, at most {self.high:g}" if ends else f"{name} > 0"
+            asked = f"{name} above 0, at most {self.high:g}" if ends else f"{name} > 0"
         elif self.low is not None and not self.low <= number <= self.high:
             low = f"{self.low:g}"
-            range_ = f"{name} from {low} to {self.high:g}" if ends else f"{name} >= {low}"
+            asked = f"{name} from {low} to {self.high:g}" if ends else f"{name} >= {low}"
         else:
             return number
-        raise InputError(f"expected {range_}, got {number:g}")
+        raise InputError(f"expected {asked}, got {number:g}")
 
     def slider(self, diagonal: float) -> tuple[float, float] | None:
         """Return where a slider ends, for something of such a `diagonal`; None without a slider."""
@@ -107,13 +107,14 @@ class Number:
         return diagonal if self.unit == "m" else 1.0
 
 
-def number(default: float | object | None = MISSING, **what: Any) -> Any:
+def number(default: float | Number | object | None = MISSING, **what: Any) -> Any:
     """Return a dataclass field that is a :class:`Number`; its other arguments are those of that.
 
     Parameters
     ----------
-    default : float or None, optional
-        Without one the number is required. None: the class finds it from what is looked at.
+    default : float, None or Number, optional
+        Without one the number is required. None: the class finds it from what is looked at. A whole
+        :class:`Number` may be shared by several classes.
 
     Examples
     --------
@@ -122,14 +123,12 @@ def number(default: float | object | None = MISSING, **what: Any) -> Any:
     ...     steep: float = number(30.0, low=1, high=90, help="slope with all detail")
     """
     if default is MISSING:
-        return as_field(Number(required=True, **what))
-    return as_field(Number(default, **what))  # type: ignore[arg-type]
-
-
-def as_field(what: Number) -> Any:
-    """Return a dataclass field that is `what`, which several classes may share."""
-    default = MISSING if what.required else what.default
-    return field(default=default, metadata={_KEY: what})
+        made = Number(required=True, **what)
+    elif isinstance(default, Number):
+        made = replace(default, **what)
+    else:
+        made = Number(default, **what)  # type: ignore[arg-type]
+    return field(default=MISSING if made.required else made.default, metadata={_KEY: made})
 
 
 class Numbered:

@@ -9,12 +9,12 @@ of their own, as paths: docs/own_lod.md.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import ClassVar, Final
 
 from ..errors import InputError
-from ..numbered import Number, Numbered, as_field, number
+from ..numbered import Number, Numbered, number
 
 # the most segments that any partitioning makes
 MAX_FACTOR: Final = 64
@@ -44,20 +44,8 @@ _FACTOR: Final = Number(
     logarithmic=True,
     help="segments along every edge",
 )
-_MINIMUM: Final = Number(
-    1.0, low=1.0, high=MAX_FACTOR, unit="segments", logarithmic=True, help="the fewest segments"
-)
-
-
-def _maximum(default: float) -> Number:
-    return Number(
-        default,
-        low=1.0,
-        high=MAX_FACTOR,
-        unit="segments",
-        logarithmic=True,
-        help="the most segments",
-    )
+_MINIMUM: Final = replace(_FACTOR, default=1.0, help="the fewest segments")
+_MAXIMUM: Final = replace(_FACTOR, default=15.0, help="the most segments")
 
 
 @dataclass(frozen=True)
@@ -70,7 +58,7 @@ class UniformFactor(EdgeFactor):
         Segments along an edge, 1 to 64.
     """
 
-    factor: float = as_field(_FACTOR)
+    factor: float = number(_FACTOR)
     header: ClassVar[str | Path] = "curved/factor/uniform.h"
     needs_camera: ClassVar[bool] = False
 
@@ -104,8 +92,8 @@ class DistanceFactor(EdgeFactor):
         start=2.0,
         help="distance with the fewest; by default a diagonal of the mesh beyond near",
     )
-    minimum: float = as_field(_MINIMUM)
-    maximum: float = as_field(_maximum(15.0))
+    minimum: float = number(_MINIMUM)
+    maximum: float = number(_MAXIMUM)
     header: ClassVar[str | Path] = "curved/factor/distance.h"
 
     def parameters(self, diagonal: float) -> dict[str, float]:
@@ -128,8 +116,8 @@ class LengthFactor(EdgeFactor):
     pixels: float = number(
         8.0, unit="pixels", shown=(0.125, 64.0), logarithmic=True, help="pixels along a segment"
     )
-    minimum: float = as_field(_MINIMUM)
-    maximum: float = as_field(_maximum(64.0))
+    minimum: float = number(_MINIMUM)
+    maximum: float = number(replace(_MAXIMUM, default=64.0))
     header: ClassVar[str | Path] = "curved/factor/length.h"
 
 
@@ -143,8 +131,8 @@ class OrientationFactor(EdgeFactor):
         Factors seen from the front and from the side, 1 to 64.
     """
 
-    minimum: float = as_field(_MINIMUM)
-    maximum: float = as_field(_maximum(15.0))
+    minimum: float = number(_MINIMUM)
+    maximum: float = number(_MAXIMUM)
     header: ClassVar[str | Path] = "curved/factor/orientation.h"
 
 
@@ -169,8 +157,8 @@ class SilhouetteFactor(EdgeFactor):
     cosine: float = number(
         0.3, shown=(0.01, 1.0), help="faces turned by more are no part of the outline"
     )
-    minimum: float = as_field(_MINIMUM)
-    maximum: float = as_field(_maximum(15.0))
+    minimum: float = number(_MINIMUM)
+    maximum: float = number(_MAXIMUM)
     header: ClassVar[str | Path] = "curved/factor/silhouette.h"
 
 
@@ -194,8 +182,8 @@ class CurvatureFactor(EdgeFactor):
     pixels: float = number(
         0.5, unit="pixels", shown=(0.125, 64.0), logarithmic=True, help="pixels off the curve"
     )
-    minimum: float = as_field(_MINIMUM)
-    maximum: float = as_field(_maximum(64.0))
+    minimum: float = number(_MINIMUM)
+    maximum: float = number(replace(_MAXIMUM, default=64.0))
     header: ClassVar[str | Path] = "curved/factor/curvature.h"
 
 

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import ClassVar, Final
 
 from ..errors import InputError
-from ..numbered import Number, Numbered, as_field
+from ..numbered import Number, Numbered, number
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,6 @@ WEIGHTS: Final = {
         4.0,
         low=1.0,
         shown=(1.0, 8.0),
-        start=1.0,
         help="weight of a tile that stands against the sky, on any level of detail",
     ),
     "silhouette": Number(
@@ -109,8 +108,8 @@ class Weighted:
     """
 
     lod: Lod | PromiseLod
-    horizon: float = as_field(WEIGHTS["horizon"])
-    silhouette: float = as_field(WEIGHTS["silhouette"])
+    horizon: float = number(WEIGHTS["horizon"])
+    silhouette: float = number(WEIGHTS["silhouette"])
     needs_camera: ClassVar[bool] = True
 
     def __post_init__(self) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import ClassVar, Final
 
 from ..device.layout import MAX_TILE
-from ..numbered import TILE, Number, as_field, number
+from ..numbered import TILE, Number, number
 from .lod import Lod, Scene
 
 _NEAR: Final = Number(
@@ -72,10 +72,10 @@ class DistanceLod(Lod):
     clamped.
     """
 
-    near: float = as_field(_NEAR)
-    far: float | None = as_field(_FAR)
-    minimum: float = as_field(_MINIMUM)
-    maximum: float = as_field(_MAXIMUM)
+    near: float = number(_NEAR)
+    far: float | None = number(_FAR)
+    minimum: float = number(_MINIMUM)
+    maximum: float = number(_MAXIMUM)
     falloff: float = number(
         1.0,
         shown=(0.25, 8.0),
@@ -109,10 +109,10 @@ class CoplanarityLod(Lod):
     Zink, Pettineo, Hoxley: *Practical Rendering and Computation with Direct3D 11*, section 9.1.2.
     """
 
-    near: float = as_field(_NEAR)
-    far: float | None = as_field(_FAR)
-    minimum: float = as_field(_MINIMUM)
-    maximum: float = as_field(_MAXIMUM)
+    near: float = number(_NEAR)
+    far: float | None = number(_FAR)
+    minimum: float = number(_MINIMUM)
+    maximum: float = number(_MAXIMUM)
     full_deviation: float | None = number(
         None,
         unit="m",
@@ -148,8 +148,8 @@ class ScreenAreaLod(Lod):
     pixels: float = number(
         8.0, unit="pixels", shown=(1.0, 64.0), logarithmic=True, help="pixels along a segment"
     )
-    minimum: float = as_field(_MINIMUM)
-    maximum: float = as_field(_MAXIMUM)
+    minimum: float = number(_MINIMUM)
+    maximum: float = number(_MAXIMUM)
     header: ClassVar[str | Path] = "terrain/lod/area.h"
 
 
