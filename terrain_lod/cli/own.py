@@ -5,11 +5,23 @@ from __future__ import annotations
 import importlib.util
 import sys
 from pathlib import Path
-from typing import TypeVar
+from typing import Final, TypeVar
 
 from ..errors import FileError, InputError
-from ..numbered import Numbered, numbers_of
+from ..numbered import Numbered, numbers_of, refuse_names
 
+# options of commands, and settings of viewers
+_TAKEN: Final = (
+    "lod",
+    "edges",
+    "partitioning",
+    "tile",
+    "plane",
+    "device",
+    "mode",
+    "horizon",
+    "silhouette",
+)
 _Kind = TypeVar("_Kind", bound=Numbered)
 
 
@@ -56,5 +68,5 @@ def own_class(name: str, base: type[_Kind]) -> type[_Kind]:
             f"expected a level of detail or a formula for edges in {path}"
             f"{' (' + ', '.join(kinds) + ')' if kinds else ''}, got {word!r}"
         )
-    numbers_of(kind)
+    refuse_names(numbers_of(kind), _TAKEN)
     return kind

@@ -129,6 +129,8 @@ def view(
 def _changed(settings: Settings, name: str, value: Any) -> Settings:
     """Return settings with one changed that they show."""
     shown = {slider.name for slider in settings.sliders}
+    if settings.lod in settings.formulas:
+        shown |= settings.formulas[settings.lod].numbers().keys()
     if isinstance(value, float | int) and name not in shown:
         raise InputError(
             f"expected a number of {settings.lod} ({', '.join(sorted(shown))}), "

@@ -226,8 +226,9 @@ class Settings(ABC):
         InputError
             If there is no such setting, or it cannot have that value.
         """
-        known = [choice.name for choice in self.choices]
-        one_of("setting", name, [*known, *(slider.name for slider in self.numbers)])
+        known = [each.name for each in (*self.choices, *self.numbers)]
+        if self._holder(name) is None:
+            one_of("setting", name, known)
         for choice in self.choices:
             if choice.name == name and isinstance(choice.values[0], str):
                 one_of(name, value, choice.values)
