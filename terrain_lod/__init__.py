@@ -13,20 +13,21 @@ from .camera.viewpoint import default_camera
 from .curved.bezier import bezier
 from .curved.creases import split_at_creases
 from .curved.curved_mesh import CurvedMesh
-from .curved.curves import Polyline, curve
+from .curved.curves import ParametricCurve, Polyline, curve
 from .curved.decals import Decal, dent, shoot
 from .curved.displaced import displace
 from .curved.displaced_maps import variation_factors
 from .curved.patch_factors import (
     CurvatureFactor,
     DistanceFactor,
+    EdgeFactor,
     LengthFactor,
     OrientationFactor,
     SilhouetteFactor,
     UniformFactor,
 )
 from .curved.smooth import pn_triangles
-from .curved.surfaces import surface
+from .curved.surfaces import ParametricSurface, surface
 from .device.device import Device
 from .device.drivers import devices
 from .errors import (
@@ -57,19 +58,11 @@ from .measure.screen_error import (
 from .mesh.hits import Hits
 from .mesh.mesh import Achieved, Mesh, Patches
 from .mesh.surface import Surface
+from .numbered import Number, number
 from .terrain.analysis import TileAnalysis, analyse
-from .terrain.lod import (
-    BudgetLod,
-    CoplanarityLod,
-    DistanceLod,
-    Lod,
-    MaxErrorLod,
-    PromiseLod,
-    ScreenAreaLod,
-    ScreenErrorLod,
-    UniformLod,
-    Weighted,
-)
+from .terrain.lod import Lod, PromiseLod, Scene, Weighted
+from .terrain.lod_formulas import CoplanarityLod, DistanceLod, ScreenAreaLod, UniformLod
+from .terrain.lod_promises import BudgetLod, MaxErrorLod, ScreenErrorLod
 from .terrain.terrain import Terrain
 from .tessellation.pattern import Pattern
 from .tessellation.semi_uniform import semi_uniform
@@ -90,6 +83,7 @@ __all__ = [
     "DeviceMemoryError",
     "DistanceFactor",
     "DistanceLod",
+    "EdgeFactor",
     "FileError",
     "GraphicsError",
     "Heightmap",
@@ -100,12 +94,16 @@ __all__ = [
     "MaxErrorLod",
     "Mesh",
     "MissingExtraError",
+    "Number",
     "OrientationFactor",
+    "ParametricCurve",
+    "ParametricSurface",
     "Patches",
     "Pattern",
     "Polyline",
     "Pop",
     "PromiseLod",
+    "Scene",
     "ScreenAreaLod",
     "ScreenError",
     "ScreenErrorLod",
@@ -130,6 +128,7 @@ __all__ = [
     "load_bpt",
     "load_mesh",
     "normal_error",
+    "number",
     "patch_errors",
     "pn_triangles",
     "pop_metric",

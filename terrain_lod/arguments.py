@@ -11,6 +11,8 @@ from .errors import InputError
 def finite(name: str, value: object) -> float:
     """Return `value` as a float, or say that a finite number was expected."""
     try:
+        if isinstance(value, str | bytes):  # float() would read them
+            raise TypeError
         number = float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError):
         raise InputError(f"expected a number for {name}, got {value!r}") from None

@@ -19,25 +19,27 @@ ROOMS = {
     "errors": "",
     "arguments": "errors",
     "paths": "errors",
+    "numbered": "errors arguments",
     "device": "errors",
     "ground": "errors arguments device",
     "camera": "errors arguments device ground",
     "tessellation": "errors arguments device",
     "mesh": "errors device ground",
     "files": "errors arguments paths ground mesh",
-    "terrain": "errors arguments paths device ground camera tessellation mesh",
-    "curved": "errors arguments device camera tessellation mesh files",
+    "terrain": "errors arguments paths numbered device ground camera tessellation mesh",
+    "curved": "errors arguments numbered device camera tessellation mesh files",
     "reference": "device ground camera tessellation mesh terrain",
     "measure": "errors device ground camera mesh reference",
     "drawing": "errors arguments paths device ground camera tessellation mesh terrain",
     "accessor": "ground mesh measure",
-    "checks": "device ground camera tessellation mesh terrain curved reference measure",
-    "viewer": """errors arguments paths device ground camera mesh files terrain curved measure
-                 drawing""",
-    "reports": """arguments paths device ground camera tessellation mesh terrain reference measure
-                  drawing""",
-    "cli": """errors arguments paths device ground camera tessellation mesh files terrain curved
-              measure drawing viewer reports""",
+    "checks": """errors numbered device ground camera tessellation mesh terrain curved reference
+                 measure""",
+    "viewer": """errors arguments paths numbered device ground camera mesh files terrain curved
+                 measure drawing""",
+    "reports": """errors arguments paths numbered device ground camera tessellation mesh terrain
+                  reference measure drawing""",
+    "cli": """errors arguments paths numbered device ground camera tessellation mesh files terrain
+              curved measure drawing viewer reports""",
     "__main__": "cli",
 }
 # within a function, so that a value can offer what is written above it

@@ -20,12 +20,12 @@ from ..arguments import one_of
 from ..errors import TerrainError
 from ..paths import require_folder
 from .flyover import PathOptions
+from .lod_options import LodOptions, own_formulas
 from .options import (
     CameraOptions,
-    DetailOptions,
     Ground,
     GroundOptions,
-    LodOptions,
+    MeshingOptions,
     OverlayOptions,
     Sun,
     TerrainOptions,
@@ -114,7 +114,7 @@ def render(
     overlay: OverlayOptions = OverlayOptions(),  # noqa: B008
     view: CameraOptions = CameraOptions(),  # noqa: B008
     lod: LodOptions = LodOptions(),  # noqa: B008
-    detail: DetailOptions = DetailOptions(),  # noqa: B008
+    meshing: MeshingOptions = MeshingOptions(),  # noqa: B008
     terrain: TerrainOptions = TerrainOptions(),  # noqa: B008
     many: PathOptions = PathOptions(),  # noqa: B008
 ) -> None:
@@ -138,8 +138,8 @@ def render(
 
     if not many.many:
         require_png(output)
-    chosen = detail.make(lod.lod, terrain.tile, lod.factor)
-    beside = many.second(detail, terrain.tile)
+    chosen = lod.make(terrain.tile, *filter(None, [many.beside]))
+    beside = many.second(lod, terrain.tile)
     require_graphics()
     heights, added = reading.load(ground), overlay.load()
     camera = view.over(heights)
@@ -147,9 +147,9 @@ def render(
     options: dict[str, Any] = {"style": style} if sun is None else {"style": style, "sun": sun}
     if many.many:
         made = terrain.make(heights, added)
-        return many.render(made, camera, output, [chosen, *beside], lod.edges, **options)
+        return many.render(made, camera, output, [chosen, *beside], meshing, **options)
     options |= {"drape": many.drape(heights), "edges": many.wireframe}
-    mesh = terrain.make(heights, added).mesh(camera, lod=chosen, edges=lod.edges)
+    mesh = terrain.make(heights, added).mesh(camera, lod=chosen, **vars(meshing))
     log("%r from %r", mesh, chosen)
     draw(mesh, camera, output, height_range=heights.height_range, **options)
     say(f"{output}: {_counts(mesh)}")
@@ -167,7 +167,7 @@ def mesh(
     overlay: OverlayOptions = OverlayOptions(),  # noqa: B008
     view: CameraOptions = CameraOptions(),  # noqa: B008
     lod: LodOptions = LodOptions(),  # noqa: B008
-    detail: DetailOptions = DetailOptions(),  # noqa: B008
+    meshing: MeshingOptions = MeshingOptions(),  # noqa: B008
     terrain: TerrainOptions = TerrainOptions(),  # noqa: B008
 ) -> None:
     """Write the mesh that a camera deserves, and say how far it is from the ground.
@@ -187,11 +187,11 @@ def mesh(
 
     require_folder(output)
     one_of("mesh format", output.suffix.lower(), FORMATS)
-    chosen = detail.make(lod.lod, terrain.tile, lod.factor)
+    chosen = lod.make(terrain.tile)
     heights, added = reading.load(ground), overlay.load()
     camera = view.over(heights)
     log("%r", heights)
-    made = terrain.make(heights, added).mesh(camera, lod=chosen, edges=lod.edges, cull=cull)
+    made = terrain.make(heights, added).mesh(camera, lod=chosen, cull=cull, **vars(meshing))
     log("%r from %r", made, chosen)
     made.save(output)
     say(f"{output}: {_counts(made)}")
@@ -268,9 +268,10 @@ def _launch(
 def run(tokens: Sequence[str]) -> int:
     """Run the command line `tokens` and return the exit code."""
     try:
-        result = app.meta(
-            tokens, exit_on_error=False, print_error=False, result_action="return_value"
-        )
+        with own_formulas(tokens):
+            result = app.meta(
+                tokens, exit_on_error=False, print_error=False, result_action="return_value"
+            )
         sys.stdout.flush()
     except (TerrainError, CycloptsError) as error:
         complain(" ".join(str(error).split()))

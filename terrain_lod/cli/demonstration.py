@@ -17,7 +17,7 @@ from ..measure.cracks import crack_report
 from ..measure.error import vertical_error
 from ..paths import require_made
 from ..reports.report import report
-from ..terrain.lod import CoplanarityLod
+from ..terrain.lod_formulas import CoplanarityLod
 from ..terrain.terrain import Terrain
 
 _CONTENTS: Final = {

@@ -9,11 +9,11 @@ from cyclopts import Parameter
 
 from ..errors import InputError
 from ..ground.heightmap import Heightmap
+from .lod_options import LodOptions
 from .options import (
     CameraOptions,
-    DetailOptions,
-    FormulaEdgeRule,
     GroundOptions,
+    MeshingOptions,
     TerrainOptions,
 )
 from .output import (
@@ -36,13 +36,13 @@ def report(
     compare: Switch = False,
     stability: Switch = False,
     views: int = 3,
-    edges: FormulaEdgeRule = "min",
     reading: GroundOptions = GroundOptions(),  # noqa: B008
     view: CameraOptions = CameraOptions(),  # noqa: B008
-    detail: DetailOptions = DetailOptions(),  # noqa: B008
+    lod: LodOptions = LodOptions(),  # noqa: B008
+    meshing: MeshingOptions = MeshingOptions(),  # noqa: B008
     terrain: TerrainOptions = TerrainOptions(),  # noqa: B008
 ) -> None:
-    """Compare distance LOD with coplanarity LOD: triangles, error, time, pictures.
+    """Compare distance LOD with another, coplanarity by default: triangles, error, time, pictures.
 
     Parameters
     ----------
@@ -52,13 +52,11 @@ def report(
         Folder to write, made if it is not there.
     compare
         Every level of detail and every installed peer instead, over a low flight: speed against
-        error.
+        error. A class of your own is among them if --lod names it.
     stability
         Every kernel against its reference in 64 bits instead, on ground that is hard on floats.
     views
         Cameras of the flight. Of --compare alone.
-    edges
-        Factor of an edge between two tiles: the lower of what they want, or the higher.
     """
     if compare and stability:
         raise InputError("expected --compare or --stability, got both")
@@ -72,20 +70,23 @@ def report(
     if compare:
         _write_comparison(heights, output, terrain, views)
         return
-    _write_pair(heights, output, edges, view, detail, terrain)
+    _write_pair(heights, output, view, lod, meshing, terrain)
 
 
 def _write_pair(
     heights: Heightmap,
     output: Path,
-    edges: FormulaEdgeRule,
     view: CameraOptions,
-    detail: DetailOptions,
+    lod: LodOptions,
+    meshing: MeshingOptions,
     terrain: TerrainOptions,
 ) -> None:
     from ..reports.report import report as write
 
-    distance, coplanarity = detail.both()
+    chosen, distance = (
+        lod.make(terrain.tile, "distance", default="coplanarity"),
+        lod.distance(),
+    )
     with progress_bar("comparing") as progress:
         made = write(
             heights,
@@ -93,9 +94,9 @@ def _write_pair(
             camera=view.over(heights),
             tile=terrain.tile,
             plane=terrain.plane,
-            edges=edges,
+            lod=chosen,
             distance=distance,
-            coplanarity=coplanarity,
+            **vars(meshing),
             device=terrain.open(),
             progress=progress,
         )

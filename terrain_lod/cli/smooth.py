@@ -3,69 +3,28 @@
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass, fields, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final, Literal, get_args
+from typing import TYPE_CHECKING, Annotated, Final, Literal
 
 import numpy as np
 import numpy.typing as npt
-from cyclopts import Group, Parameter
+from cyclopts import Parameter
 
 from ..arguments import one_of
 from ..camera.camera import Camera
 from ..errors import InputError
 from ..paths import require_folder
+from .lod_options import EdgeOptions
 from .options import CameraOptions
 from .output import say
 
 if TYPE_CHECKING:
-    from ..curved.patch_factors import EdgeFactor
     from ..mesh.mesh import Mesh
 
-_DETAIL: Final = Group("Level of detail", sort_key=3)
 _CREASE: Final = 30.0  # degrees
 # across, back and up from the middle of the mesh to the default eye, in diagonals
 _EYE: Final = (0.5, -1.0, 0.6)
-
-LodName = Literal["uniform", "distance", "length", "orientation", "silhouette", "curvature"]
-
-
-@Parameter(name="*", group=_DETAIL)
-@dataclass(frozen=True)
-class EdgeOptions:
-    """What formulas for the segments of an edge are made with."""
-
-    factor: float | None = None
-    """Segments along every edge, 1 to 64. Of uniform alone. Default: 5."""
-    near: float | None = None
-    """Distance with the most segments. Of distance alone. Default: where the mesh may begin."""
-    far: float | None = None
-    """Distance with the fewest. Of distance alone. Default: a diagonal of the mesh farther."""
-    pixels: float | None = None
-    """Of length: along a segment, default 8. Of curvature: off the curve, default 0.5."""
-    cosine: float | None = None
-    """Of silhouette: faces turned by more are no part of the outline. Default: 0.3."""
-    minimum: float | None = None
-    """The fewest segments. Of all but uniform. Default: 1."""
-    maximum: float | None = None
-    """The most segments. Of all but uniform."""
-
-    def make(self, name: LodName) -> EdgeFactor:
-        """Return the formula called `name`, or say which option is not one of its."""
-        from ..curved import patch_factors
-
-        given = {option: value for option, value in vars(self).items() if value is not None}
-        takers = {lod: getattr(patch_factors, f"{lod.title()}Factor") for lod in get_args(LodName)}
-        for option in given:
-            having = [
-                lod for lod, made in takers.items() if option in (f.name for f in fields(made))
-            ]
-            if name not in having:
-                raise InputError(
-                    f"expected --lod {' or '.join(having)} with --{option}, got {name}"
-                )
-        formula: EdgeFactor = takers[name](**given)
-        return formula
 
 
 def smooth(
@@ -73,7 +32,6 @@ def smooth(
     /,
     *,
     output: Annotated[Path, Parameter(alias="-o", metavar="FILE")],
-    lod: Annotated[LodName, Parameter(group=_DETAIL)] = "uniform",
     sharp: bool = False,
     crease: float | None = None,
     normals: Literal["quadratic", "linear"] = "quadratic",
@@ -82,7 +40,7 @@ def smooth(
     ] = "fractional_odd",
     device: str | None = None,
     view: CameraOptions = CameraOptions(),  # noqa: B008
-    detail: EdgeOptions = EdgeOptions(),
+    detail: EdgeOptions = EdgeOptions(),  # noqa: B008
 ) -> None:
     """Curve the triangles of any mesh, and keep it closed.
 
@@ -93,9 +51,6 @@ def smooth(
         with the extra meshes also .msh, .inp, .mesh, .off and what else meshio reads.
     output
         File to write: .glb, .obj, .ply, .stl or .vtp.
-    lod
-        How many segments an edge gets. uniform: all alike. The others look through the camera:
-        distance, length in pixels, orientation, silhouette, curvature in pixels.
     sharp
         Keep edges sharp at which faces meet at more than the crease angle. Edges at which the
         file's own normals differ are sharp anyway.
@@ -118,10 +73,10 @@ def smooth(
     one_of("mesh format", output.suffix.lower(), FORMATS)
     if crease is not None and not sharp:
         raise InputError(f"expected --sharp with --crease, got --crease {crease:g} alone")
-    formula = detail.make(lod)
+    formula = detail.make()
     source = _load(mesh)
     camera = _camera(view, source)
-    if isinstance(formula, DistanceFactor) and detail.near is detail.far is None:
+    if isinstance(formula, DistanceFactor) and not detail.given.keys() & {"near", "far"}:
         formula = replace(formula, near=_nearest(camera, source))
     made = pn_triangles(
         source,

@@ -20,7 +20,7 @@ from contextlib import contextmanager
 from functools import cache
 from math import prod
 from operator import index
-from pathlib import PurePosixPath
+from pathlib import Path, PurePosixPath
 from typing import Any, Final
 
 import numpy as np
@@ -34,7 +34,7 @@ from .info import require_memory
 from .linker.offer import provide_linker
 from .memory import Memory
 from .parameters import Parameter
-from .sources import kernel_source, with_true_places
+from .sources import Define, kernel_source, with_true_places
 from .timeline import Timeline
 
 DEVICE_VARIABLE: Final = "TERRAIN_LOD_DEVICE"
@@ -70,7 +70,7 @@ class Device:
         self._exact_division = bool(
             handle.single_fp_config & cl.device_fp_config.CORRECTLY_ROUNDED_DIVIDE_SQRT
         )
-        # by file and defines, the one used last at the end
+        # by file and defines, or by the text with a header from elsewhere; used last at the end
         self._programs: dict[tuple[str, str], tuple[cl.Program, dict[str, Kernel]]] = {}
         self._of_thread = threading.local()
 
@@ -159,20 +159,27 @@ class Device:
 
     # kernels
 
-    def kernel(self, file: str, name: str, **defines: int | float | str) -> Kernel:
+    def kernel(self, file: str, name: str, **defines: Define) -> Kernel:
         """Return kernel `name` of ``kernels/<file>``, built for a set of `defines`.
 
-        Programs that were lately asked for are kept.
+        Programs that were lately asked for are kept. A header from elsewhere is read every time, so
+        that one that was edited is built again.
 
         Raises
         ------
         DeviceError
             With the compiler's log, if it does not build.
+        FileError
+            If a header from elsewhere cannot be read.
         """
-        key = (file, repr(sorted(defines.items())))  # 1, 1.0 and True differ
+        source, content = None, repr(sorted(defines.items()))  # 1, 1.0 and True differ
+        if any(isinstance(value, Path) for value in defines.values()):
+            source = content = self._source(file, defines)
+        key = (file, content)
         with self.lock:
             if key not in self._programs:
-                self._programs[key] = self._build(file, defines), {}
+                source = source or self._source(file, defines)
+                self._programs[key] = self._build(file, source), {}
             program, kernels = self._programs[key] = self._programs.pop(key)
             if len(self._programs) > _KEPT:
                 del self._programs[next(iter(self._programs))]
@@ -182,11 +189,13 @@ class Device:
                 kernels[name] = Kernel(self, handle, stage=PurePosixPath(file).stem)
             return kernels[name]
 
-    def _build(self, file: str, defines: Mapping[str, int | float | str]) -> cl.Program:
+    def _source(self, file: str, defines: Mapping[str, Define]) -> str:
+        return kernel_source(file, {"layout.h": layout.header()}, defines)
+
+    def _build(self, file: str, source: str) -> cl.Program:
         options = ["-cl-std=CL1.2", "-cl-kernel-arg-info"]
         if self._exact_division:
             options.append("-cl-fp32-correctly-rounded-divide-sqrt")
-        source = kernel_source(file, {"layout.h": layout.header()}, defines)
         try:
             with warnings.catch_warnings():
                 # pyopencl warns of any remark that a compiler makes

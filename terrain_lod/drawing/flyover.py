@@ -10,7 +10,7 @@ import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
@@ -19,7 +19,7 @@ from ..camera.camera import Camera
 from ..errors import FileError, InputError
 from ..mesh.mesh import Mesh
 from ..paths import replacing, require_made
-from ..terrain.lod import Lod, PromiseLod
+from ..terrain.lod import AnyLod, checked_lod, unweighted
 from ..terrain.terrain import Terrain
 from .drape import Drape
 from .graphics import require_graphics
@@ -46,9 +46,10 @@ def render_path(
     cameras: Sequence[Camera],
     directory: str | Path,
     *,
-    lods: Sequence[Lod | PromiseLod],
+    lods: Sequence[AnyLod],
     look: Look = Look(),
     edges: str | None = None,
+    partitioning: str = "fractional_odd",
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[Path, ...]:
     """Write a picture a camera, named 0000.png and on.
@@ -59,11 +60,11 @@ def render_path(
     cameras : sequence of Camera
     directory : str or Path
         Made if it is not there. Pictures that are there already stay.
-    lods : sequence of Lod or PromiseLod
+    lods : sequence of Lod, PromiseLod or Weighted
         One, or two to be shown side by side.
     look : Look, optional
-    edges : {"min", "max"}, optional
-        Rule for the factors of shared edges; see :meth:`terrain_lod.Terrain.mesh`.
+    edges, partitioning : str, optional
+        As for :meth:`terrain_lod.Terrain.mesh`.
     progress : callable, optional
         Called with pictures done and pictures in all.
 
@@ -81,16 +82,19 @@ def render_path(
     FileError
         If the folder or a picture cannot be written.
     """
+    meshing: dict[str, Any] = {"edges": edges, "partitioning": partitioning}
     if len(lods) not in (1, 2):
         raise InputError(f"expected one or two levels of detail, got {len(lods)}")
+    for lod in lods:
+        checked_lod(lod)
     require_graphics()
     folder = require_made(Path(directory))
-    _require_same(folder, _description(terrain, cameras, lods, look, edges))
+    _require_same(folder, _description(terrain, cameras, lods, look, meshing))
     digits = max(4, len(str(len(cameras) - 1)))
     paths = tuple(folder / f"{number:0{digits}d}.png" for number in range(len(cameras)))
     for number, (camera, path) in enumerate(zip(cameras, paths, strict=True)):
         if not path.exists():
-            save_png(_picture(terrain, camera, lods, look, edges), path)
+            save_png(_picture(terrain, camera, lods, look, meshing), path)
         if progress is not None:
             progress(number + 1, len(cameras))
     return paths
@@ -99,9 +103,9 @@ def render_path(
 def _picture(
     terrain: Terrain,
     camera: Camera,
-    lods: Sequence[Lod | PromiseLod],
+    lods: Sequence[AnyLod],
     look: Look,
-    edges: str | None,
+    meshing: dict[str, Any],
 ) -> Picture:
     """Return the picture of one camera, a part of its width a LOD."""
     width, height = camera.size
@@ -109,7 +113,7 @@ def _picture(
     picture = np.full((height, width, 3), 255, np.uint8)
     for number, lod in enumerate(lods):
         seen = replace(camera, size=(max(1, part), height))
-        mesh = terrain.mesh(seen, lod=lod, edges=edges)
+        mesh = terrain.mesh(seen, lod=lod, **meshing)
         shown = render(
             mesh,
             seen,
@@ -126,8 +130,8 @@ def _picture(
     return picture
 
 
-def _label(mesh: Mesh, lod: Lod | PromiseLod) -> str:
-    name = type(lod).__name__.removesuffix("Lod")
+def _label(mesh: Mesh, lod: AnyLod) -> str:
+    name = type(unweighted(lod)).__name__.removesuffix("Lod")
     if mesh.achieved is None:
         return f"{name}: {len(mesh.triangles):,} triangles"
     pixels = mesh.achieved.pixels
@@ -154,9 +158,9 @@ def _labelled(picture: Picture, text: str) -> Picture:
 def _description(
     terrain: Terrain,
     cameras: Sequence[Camera],
-    lods: Sequence[Lod | PromiseLod],
+    lods: Sequence[AnyLod],
     look: Look,
-    edges: str | None,
+    meshing: dict[str, Any],
 ) -> dict[str, object]:
     """Return what makes the pictures what they are."""
     drape = None if look.drape is None else int(look.drape.picture.astype(np.uint64).sum())
@@ -164,7 +168,7 @@ def _description(
         "terrain": repr(terrain),
         "cameras": [repr(camera) for camera in cameras],
         "lods": [repr(lod) for lod in lods],
-        "edges": edges,
+        **meshing,
         "look": [look.style, list(look.sun), look.edges, look.counts, drape],
     }
 

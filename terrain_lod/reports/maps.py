@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..camera.camera import Camera
+from ..device.layout import MAX_TILE
 from ..drawing.colours import (
     LOD_STOPS,
     hypsometric,
@@ -19,6 +20,7 @@ from ..drawing.colours import (
 from ..ground.grid import TileGrid
 from ..ground.heightmap import Heightmap
 from ..paths import replacing
+from ..terrain.lod import unweighted
 from .comparison import Comparison, Trial
 
 if TYPE_CHECKING:
@@ -63,9 +65,9 @@ def save_maps(comparison: Comparison, path: Path) -> Path:
 
 def factor_range(comparison: Comparison) -> tuple[float, float]:
     """Return the factors that the ramp runs between: what both levels of detail may give."""
-    lods = (comparison.distance.lod, comparison.coplanarity.lod)
-    low = min(float(getattr(lod, "minimum", 1.0)) for lod in lods)
-    high = max(float(getattr(lod, "maximum", 1.0)) for lod in lods)
+    lods = (comparison.distance.lod, comparison.other.lod)
+    low = min(float(getattr(unweighted(lod), "minimum", 1.0)) for lod in lods)
+    high = max(float(getattr(unweighted(lod), "maximum", MAX_TILE)) for lod in lods)
     return low, max(min(high, comparison.terrain.grid.tile), low + 1)
 
 
@@ -119,12 +121,12 @@ def _draw_maps(figure: Figure, sheet: _Sheet, comparison: Comparison) -> None:
 
     low, high = factor_range(comparison)
     look = {"cmap": lod_colour_map(), "vmin": low, "vmax": high}
-    for ax, trial in zip(axes[1], (comparison.distance, comparison.coplanarity), strict=True):
+    for ax, trial in zip(axes[1], (comparison.distance, comparison.other), strict=True):
         factors = sheet.of_tiles(_inside_factors(trial), grid)
         _draw(ax, sheet, factors, _title(trial, "inside factor"), "segments", **look)
 
     # one scale for both; the worst percent is beyond it
-    pair = (comparison.equal, comparison.coplanarity)
+    pair = (comparison.equal, comparison.other)
     errors = [np.abs(sheet.of_samples(_error_field(trial))) for trial in pair]
     known = np.concatenate([error[~np.isnan(error)] for error in errors])
     worst = float(np.percentile(known, 99)) if len(known) else 0.0
@@ -206,8 +208,7 @@ def lod_colour_map() -> Any:
 
 
 def _title(trial: Trial, what: str) -> str:
-    name = "Coplanarity" if trial.name == "coplanarity" else "Distance"
-    return f"{name} LOD, {trial.triangles:,} triangles: {what}"
+    return f"{trial.title}, {trial.triangles:,} triangles: {what}"
 
 
 def _inside_factors(trial: Trial) -> Values:

@@ -58,7 +58,7 @@ def save_pictures(
     paths: dict[str, Path] = {}
     shaded: list[Picture] = []
     for style in STYLES:
-        for trial in (comparison.distance, comparison.coplanarity):
+        for trial in (comparison.distance, comparison.other):
             name = f"{style}_{trial.name}"
             paths[name] = directory / f"{name}.png"
             picture = render(

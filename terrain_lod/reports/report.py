@@ -1,4 +1,4 @@
-"""A report on a ground: distance LOD against coplanarity LOD, in numbers, pictures and words."""
+"""A report on a ground: distance LOD against another, in numbers, pictures and words."""
 
 from __future__ import annotations
 
@@ -16,9 +16,11 @@ from ..camera.viewpoint import default_camera
 from ..device.device import Device
 from ..device.layout import DEFAULT_TILE
 from ..drawing.graphics import graphics_problem
+from ..errors import InputError
 from ..ground.heightmap import Heightmap
 from ..paths import replacing, require_made
-from ..terrain.lod import CoplanarityLod, DistanceLod
+from ..terrain.lod import AnyLod, checked_lod, unweighted
+from ..terrain.lod_formulas import CoplanarityLod, DistanceLod
 from ..terrain.terrain import Terrain
 from .comparison import Comparison, compare
 from .maps import save_maps
@@ -64,13 +66,14 @@ def report(
     camera: Camera | None = None,
     tile: int = DEFAULT_TILE,
     plane: str = "least_squares",
-    edges: str = "min",
+    lod: AnyLod | None = None,
     distance: DistanceLod | None = None,
-    coplanarity: CoplanarityLod | None = None,
+    edges: str | None = None,
+    partitioning: str = "fractional_odd",
     device: Device | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Report:
-    """Compare naive distance LOD with coplanarity LOD at one camera, and write it down.
+    """Compare naive distance LOD with another at one camera, and write it down.
 
     Writes ``report.html`` (self-contained), ``report.json``, ``report.csv``, ``maps.svg`` and,
     where this machine can draw, PNG pictures of both in every style and of their difference. The
@@ -85,8 +88,12 @@ def report(
         Default: an oblique view over the ground.
     tile, plane, device : optional
         As for :class:`Terrain`.
-    edges : {"min", "max"}, optional
-    distance, coplanarity : DistanceLod, CoplanarityLod, optional
+    lod : Lod, PromiseLod or Weighted, optional
+        What distance LOD is compared with. Default: ``CoplanarityLod()``.
+    distance : DistanceLod, optional
+        Default: ``DistanceLod()``.
+    edges, partitioning : str, optional
+        As for :meth:`Terrain.mesh`.
     progress : callable, optional
         Called with steps done and steps in all.
 
@@ -103,15 +110,20 @@ def report(
     DeviceMemoryError
         If the device cannot hold the ground or a mesh.
     """
+    lod = CoplanarityLod() if lod is None else checked_lod(lod)
+    distance = DistanceLod() if distance is None else distance
+    if not isinstance(distance, DistanceLod):
+        raise InputError(f"expected a DistanceLod for distance, got {distance!r}")
     step = _Steps(progress)
     terrain = Terrain(ground, tile=tile, plane=plane, device=device)
     step()
     comparison = compare(
         terrain,
         camera or default_camera(ground),
-        distance=distance or DistanceLod(),
-        coplanarity=coplanarity or CoplanarityLod(),
+        distance=distance,
+        lod=lod,
         edges=edges,
+        partitioning=partitioning,
         step=step,
     )
     folder = require_made(Path(directory))
@@ -201,10 +213,11 @@ def _json(made: Report, difference: Difference | None) -> str:
         "camera": {name: _finite(value) for name, value in asdict(comparison.camera).items()},
         "tile": terrain.grid.tile,
         "edges": comparison.edges,
+        "partitioning": comparison.partitioning,
         "device": str(terrain.device.info),
         "trials": {
             trial.name: {
-                "lod": type(trial.lod).__name__,
+                "lod": type(unweighted(trial.lod)).__name__,
                 "parameters": trial.parameters,
                 "worst_sample": trial.error.where,
                 "worst_point": trial.error.point,

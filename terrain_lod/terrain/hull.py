@@ -10,6 +10,7 @@ from ..arguments import one_of
 from ..camera.camera import Camera
 from ..device import layout
 from ..device.device import DeviceArray
+from ..device.formulas import formula_defines, formula_numbers
 from ..tessellation.factors import DeviceFactors
 from .lod import Lod
 from .tiles import DeviceTiles
@@ -51,10 +52,8 @@ def hull_on_device(
     device, count, analysis = tiles.device, tiles.grid.count, tiles.analysis
     rule = EDGE_RULES[one_of("edge rule", edges, EDGE_RULES)]
     parameters = lod.parameters(tiles.scene)
-    names = {f"LOD_{name.upper()}": index for index, name in enumerate(parameters)}
-    kernel = device.kernel(
-        "terrain/hull.cl", "hull", LOD=f'"{lod.header}"', EDGE_RULE=rule, **names
-    )
+    formula = formula_defines("LOD", lod.header, parameters, prefix="LOD_")
+    kernel = device.kernel("terrain/hull.cl", "hull", EDGE_RULE=rule, **formula)
     factors = DeviceFactors(
         device.empty((count, layout.EDGES), np.float32),
         device.empty((count, layout.INSIDES), np.float32),
@@ -65,7 +64,7 @@ def hull_on_device(
         grid=tiles.grid.record(),
         view=tiles.view(camera),
         cull=int(cull),
-        parameters=device.array(np.array(list(parameters.values()), np.float32)),
+        parameters=formula_numbers(device, parameters),
         control_points=tiles.patches.control_points,
         patch_indices=tiles.patches.indices,
         planes=analysis.planes,

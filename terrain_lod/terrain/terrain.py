@@ -32,7 +32,9 @@ from .buffers import DeviceGround
 from .hull import hull_on_device
 from .ladder import empty_ladder
 from .ladder_file import fingerprint, read_ladder, write_ladder
-from .lod import Lod, PromiseLod, Scene, ScreenErrorLod, UniformLod, Weighted
+from .lod import AnyLod, PromiseLod, Scene, Weighted, checked_lod, unweighted
+from .lod_formulas import UniformLod
+from .lod_promises import ScreenErrorLod
 from .meshing import mesh_of, pattern_on_device
 from .promise import Promise
 from .queries import heights_on_device, rays_on_device
@@ -206,7 +208,7 @@ class Terrain:
         self,
         camera: Camera | None = None,
         *,
-        lod: Lod | PromiseLod | Weighted | None = None,
+        lod: AnyLod | None = None,
         edges: str | None = None,
         partitioning: str = "fractional_odd",
         cull: bool = True,
@@ -238,21 +240,23 @@ class Terrain:
         Raises
         ------
         InputError
-            If the level of detail needs a camera and there is none, or a name is unknown.
+            If `lod` is no level of detail, or needs a camera and there is none, or a name is
+            unknown.
         DeviceMemoryError
             If the device cannot hold the mesh.
         """
         if lod is None:
             lod = UniformLod(self.grid.tile) if camera is None else ScreenErrorLod()
+        lod = checked_lod(lod)
         one_of("partitioning", partitioning, layout.PARTITIONINGS)
         if camera is None and lod.needs_camera:
             raise InputError(f"{type(lod).__name__} needs a camera, got none")
         cull = cull and camera is not None
-        weighted, lod = (lod, lod.lod) if isinstance(lod, Weighted) else (None, lod)
+        weighted, lod = lod, unweighted(lod)
         with self._turns.reading(), self.device.timed() as timeline:
             tiles = self._with_ladder() if isinstance(lod, PromiseLod) else self._tiles
             weights = None
-            if weighted is not None and camera is not None:
+            if isinstance(weighted, Weighted) and camera is not None:
                 weights = weights_on_device(
                     tiles, camera, horizon=weighted.horizon, silhouette=weighted.silhouette
                 )

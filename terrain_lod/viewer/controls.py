@@ -205,7 +205,7 @@ class Controls:
             widget = self.window.plotter.add_slider_widget(
                 lambda value, slider=slider: self._slide(slider, value),
                 (low, high),
-                value=slider.on_scale(getattr(self.window.settings, slider.name)),
+                value=slider.on_scale(self.window.settings.value(slider.name)),
                 title=slider.label,
                 color=(0.10, 0.14, 0.20),
                 interaction_event="always",
@@ -232,7 +232,7 @@ class Controls:
         for slider in settings.numbers:
             widget = self.widgets[slider.name]
             shape = widget.GetRepresentation()
-            value = getattr(settings, slider.name)
+            value = settings.value(slider.name)
             shape.SetMinimumValue(slider.on_scale(slider.low))
             shape.SetMaximumValue(slider.on_scale(slider.high))
             shape.SetValue(slider.on_scale(value))

@@ -214,7 +214,7 @@ class BezierScene(_Placed):
 
     def tessellated(self, request: Request) -> MeshFrame:
         settings, count = request.settings, len(self.nets)
-        factor = settings.factor if settings.tessellated else 1.0
+        factor = settings.value("factor") if settings.tessellated else 1.0
         mesh = bezier(
             self.nets, factor=factor, partitioning=settings.partitioning, device=self.device
         )
@@ -230,4 +230,4 @@ class BezierScene(_Placed):
 
 def _most(settings: Settings) -> float:
     """Return the largest factor that can be expected, for the colours."""
-    return MAX_FACTOR if settings.lod == "uniform" else settings.maximum
+    return float(getattr(settings.formulas[settings.lod], "maximum", MAX_FACTOR))

@@ -1,18 +1,21 @@
 """What a viewer can be set to: choices and numbers, each with its control.
 
 Windows and pages build their keys, menus and sliders from two tables that every kind of settings
-has, so a new setting is a field and a row: `terrain_settings.py`, `mesh_settings.py`.
+has, so a new setting is a field and a row: `terrain_settings.py`, `mesh_settings.py`. Levels of
+detail bring their numbers, and so their sliders, from the table that they stand in.
 """
 
 from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any, Final, TypeVar
 
 from ..arguments import finite, one_of
-from ..device.layout import DEFAULT_TILE, PARTITIONINGS
+from ..device.layout import PARTITIONINGS
+from ..numbered import Number, numbers_of, with_number
 
 _Own = TypeVar("_Own", bound="Settings")
 
@@ -87,6 +90,22 @@ class Slider:
         return round(held) if self.whole else held
 
 
+def slider_of(
+    name: str, what: Number, diagonal: float, lods: tuple[str, ...] | None = None
+) -> Slider:
+    """Return the slider of a number, shown with those `lods` that have it."""
+    low, high = what.slider(diagonal) or (0.0, 1.0)
+    return Slider(
+        name,
+        name.replace("_", " "),
+        low,
+        high,
+        only=None if lods is None else ("lod", lods),
+        whole=what.step == 1,
+        logarithmic=what.logarithmic,
+    )
+
+
 SUN: Final = (
     Slider("azimuth", "sun from", 0.0, 360.0),
     Slider("elevation", "sun above", 0.0, 90.0),
@@ -110,8 +129,8 @@ class Settings(ABC):
         What colours mean.
     lod : str
         How detail is chosen.
-    near, far, minimum, maximum, pixels, factor : float
-        Parameters of the levels of detail; each uses its own.
+    formulas : mapping of str to Numbered
+        Every level of detail, or formula for edges, with its numbers, by name.
     partitioning : str
     tessellated : bool
         False: every patch as coarse as can be.
@@ -124,20 +143,12 @@ class Settings(ABC):
     diagonal: float
     mode: str = "shaded"
     lod: str = "uniform"
-    near: float = 0.0
-    far: float = 0.0
-    minimum: float = 1.0
-    maximum: float = float(DEFAULT_TILE)
-    pixels: float = 1.0
-    factor: float = 5.0
+    formulas: Mapping[str, Any] = field(default_factory=dict, repr=False)
     partitioning: str = "fractional_odd"
     tessellated: bool = True
     frozen: bool = False
     azimuth: float = 315.0
     elevation: float = 40.0
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "far", self.far or self.diagonal)
 
     def __str__(self) -> str:
         """Return how meshes are made."""
@@ -167,6 +178,44 @@ class Settings(ABC):
             if slider.only is None or getattr(self, slider.only[0]) in slider.only[1]
         )
 
+    def value(self, name: str) -> Any:
+        """Return a setting, or a number of the level of detail that is chosen, else of another."""
+        holder = self._holder(name)
+        return getattr(self if holder is None else self.formulas[holder], name)
+
+    def _holder(self, name: str) -> str | None:
+        """Return the level of detail that has a number: the chosen one, else the first."""
+        takers = [lod for lod, made in self.formulas.items() if name in made.numbers()]
+        return self.lod if self.lod in takers else next(iter(takers), None)
+
+    def formula_sliders(self) -> tuple[Slider, ...]:
+        """Return a slider for each number of the levels of detail that has one."""
+        takers: dict[str, list[str]] = {}
+        for lod, made in self.formulas.items():
+            for name, what in numbers_of(type(made)).items():
+                if what.slider(self.diagonal) is not None:
+                    takers.setdefault(name, []).append(lod)
+        return tuple(
+            slider_of(name, self._number(name), self.diagonal, tuple(lods))
+            for name, lods in takers.items()
+        )
+
+    def _number(self, name: str) -> Number:
+        holder = self._holder(name)
+        assert holder is not None
+        return numbers_of(type(self.formulas[holder]))[name]
+
+    def _with_number(self: _Own, name: str, value: float) -> _Own:
+        """Return settings with a number changed, in all levels of detail that mean the same."""
+        what = self._number(name)
+        made = {
+            lod: with_number(each, name, value, diagonal=self.diagonal)
+            if numbers_of(type(each)).get(name) == what
+            else each
+            for lod, each in self.formulas.items()
+        }
+        return replace(self, formulas=made)
+
     def changed(self: _Own, name: str, value: Any) -> _Own:
         """Return these settings with one of them changed, and its opposite made room for.
 
@@ -177,22 +226,18 @@ class Settings(ABC):
         InputError
             If there is no such setting, or it cannot have that value.
         """
-        known = [choice.name for choice in self.choices]
-        one_of("setting", name, [*known, *(slider.name for slider in self.numbers)])
+        known = [choice.name for choice in self.choices] + [number.name for number in self.numbers]
+        if self._holder(name) is None:
+            one_of("setting", name, known)
         for choice in self.choices:
             if choice.name == name and isinstance(choice.values[0], str):
                 one_of(name, value, choice.values)
         for slider in self.numbers:
             if slider.name == name:
                 value = slider.nearest(value)
-        new = replace(self, **{name: value})
-        if name in ("minimum", "maximum") and new.minimum > new.maximum:
-            new = replace(new, minimum=value, maximum=value)
-        if name == "near" and new.far <= new.near:
-            new = replace(new, far=new.near + 0.01 * self.diagonal)
-        if name == "far" and new.far <= new.near:
-            new = replace(new, near=max(0.0, new.far - 0.01 * self.diagonal))
-        return new
+        if self._holder(name) is not None:
+            return self._with_number(name, value)
+        return replace(self, **{name: value})
 
     def next(self: _Own, name: str) -> _Own:
         """Return these settings with the next value of a choice."""

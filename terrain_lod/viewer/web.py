@@ -117,10 +117,10 @@ class Page:
         """Send the settings that the page did not set itself: those would fight with its hand."""
         settings = self.window.settings
         for choice in settings.choices:
-            self._share(choice.name, getattr(settings, choice.name))
+            self._share(choice.name, settings.value(choice.name))
         shown = {slider.name for slider in settings.sliders}
         for slider in settings.numbers:
-            value = getattr(settings, slider.name)
+            value = settings.value(slider.name)
             self._share(slider.name, slider.on_scale(value))
             self._state[f"{slider.name}_said"] = slider.said(value)
             self._state[f"{slider.name}_low"] = slider.on_scale(slider.low)
@@ -148,7 +148,7 @@ class Page:
                 value = slider.of_scale(float(value))
             try:
                 self.window.change(name, value)
-                held = getattr(self.window.settings, name)
+                held = self.window.settings.value(name)
                 self._known[name] = held if slider is None else slider.on_scale(held)
             except TerrainError as error:
                 self.window.note = str(error)

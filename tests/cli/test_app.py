@@ -325,7 +325,7 @@ def test_bad_option(ground, capsys, command, options, message):
         (["--lod", "max-error", "--metres", "0"], "metres > 0, got 0"),
         (["--pixels", "nan"], "finite pixels, got nan"),
         (["--lod", "budget", "--triangles", "3"], "budget of at least"),
-        (["--lod", "magic"], '"magic"'),
+        (["--lod", "magic"], "unknown level of detail 'magic': expected one of screen-error"),
     ],
 )
 def test_bad_detail(ground, capsys, command, options, message):

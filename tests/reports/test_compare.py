@@ -82,8 +82,8 @@ def test_every_rule_and_every_lod_is_tried() -> None:
     tried = contenders(GROUND, 15)
     ours = {each.family for each in tried if each.peer is None}
     assert ours == {
-        *("UniformLod", "DistanceLod", "CoplanarityLod"),
-        *("MaxErrorLod", "ScreenErrorLod", "BudgetLod"),
+        *("UniformLod", "DistanceLod", "CoplanarityLod", "ScreenAreaLod"),
+        *("MaxErrorLod", "ScreenErrorLod", "BudgetLod", "Weighted"),
     }
     promises = [each for each in tried if each.family == "ScreenErrorLod"]
     assert {each.edges for each in promises} == {"edge", "min", "max"}

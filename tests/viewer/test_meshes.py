@@ -211,7 +211,7 @@ def test_the_factor_slider_changes_the_triangles(controls):
         benchmark().slide(controls, "factor", share)
         counts.append(len(window.settle().mesh.triangles))
     assert counts[0] < counts[1] < counts[2]
-    assert window.settings.factor == pytest.approx(64.0)
+    assert window.settings.value("factor") == pytest.approx(64.0)
     patches = len(window.frame.edge_factors)
     assert counts[0] in (patches, 2 * patches)
 

@@ -177,7 +177,7 @@ def test_sun_lights_the_slopes_that_face_it():
 @pytest.mark.parametrize(("samples", "tile"), [(2048, 7), (2049, 15)])
 def test_large_ground_has_large_tiles(samples, tile):
     settings = TerrainScene(Heightmap(np.zeros((samples, samples), np.float32))).settings
-    assert (settings.tile, settings.factor, settings.maximum) == (tile, tile, tile)
+    assert [settings.value(name) for name in ("tile", "factor", "maximum")] == [tile] * 3
 
 
 def test_error_is_measured_where_the_mesh_does_not_bring_it(scene):

@@ -211,7 +211,7 @@ def test_sliders_change_settings_and_follow_them(controls):
     window = controls.window
     counts = [len(window.frame.mesh.triangles)]
     benchmark().slide(controls, "pixels", 1.0)
-    assert window.settings.pixels == pytest.approx(32.0)
+    assert window.settings.value("pixels") == pytest.approx(32.0)
     counts.append(len(window.settle().mesh.triangles))
     assert counts[1] < counts[0]
     window.change("pixels", 2.0)

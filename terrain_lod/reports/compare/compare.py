@@ -24,17 +24,13 @@ from ...drawing.graphics import graphics_problem
 from ...drawing.render import render
 from ...ground.heightmap import Heightmap
 from ...paths import replacing, require_made
-from ...terrain.lod import (
-    CoplanarityLod,
-    DistanceLod,
-    MaxErrorLod,
-    ScreenErrorLod,
-)
+from ...terrain.lod import Weighted
 from .outcome import SweepReport
 from .page import comparison_page
 from .plots import save_plots
 from .sweep import (
     contenders,
+    drawn,
     installed,
     partitionings,
     tile_sizes,
@@ -120,18 +116,12 @@ def compare_all(
 
 
 def _pictures(course: Course, tile: int, folder: Path) -> dict[str, Path]:
-    """Draw the first view of four levels of detail, coloured by their factors."""
+    """Draw the first view of every level of detail, coloured by its factors."""
     if graphics_problem() is not None:
         return {}
     pictures, terrain, camera = {}, course.terrain(tile), course.cameras[0]
-    low, high = course.ground.height_range
-    for lod in (
-        ScreenErrorLod(1.0),
-        MaxErrorLod(max(0.008 * (high - low), 1e-3)),
-        DistanceLod(maximum=float(tile)),
-        CoplanarityLod(maximum=float(tile)),
-    ):
-        name = type(lod).__name__
+    for lod in drawn(course.ground, tile):
+        name = "Weighted" if isinstance(lod, Weighted) else type(lod).__name__
         path = folder / f"lod_{name}.png"
         mesh = terrain.mesh(camera, lod=lod)
         render(mesh, camera, path, style="lod", factor_range=(1.0, max(tile, 2)))

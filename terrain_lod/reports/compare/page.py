@@ -175,7 +175,8 @@ def _absent(missing: Sequence[str]) -> Iterator[str]:
 
 
 def _seen(made: SweepReport) -> str:
-    names = [name for name in made.files if name.endswith("Lod")]
+    families = dict.fromkeys(result.contender.family for result in made.sweep)
+    names = [name for name in families if name in made.files]
     if not names:
         return section("Where the triangles go", paragraph("This machine draws no 3-D pictures."))
     ramp = '<div class="ramp"><span>1</span><i></i><span>a tile’s cells</span></div>'
