@@ -12,7 +12,7 @@ def finite(name: str, value: object) -> float:
     """Return `value` as a float, or say that a finite number was expected."""
     try:
         number = float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(f"expected a number for {name}, got {value!r}") from None
     if not math.isfinite(number):
         raise InputError(f"expected a finite {name}, got {number}")

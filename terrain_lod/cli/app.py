@@ -133,8 +133,7 @@ def render(
         Where the light comes from: degrees clockwise from north, degrees above the horizon.
     """
     from ..drawing.graphics import require_graphics
-    from ..drawing.render import render as draw
-    from ..drawing.render import require_png
+    from ..drawing.picture import draw, require_png, save_png
 
     if not many.many:
         require_png(output)
@@ -147,11 +146,11 @@ def render(
     options: dict[str, Any] = {"style": style} if sun is None else {"style": style, "sun": sun}
     if many.many:
         made = terrain.make(heights, added)
-        return many.render(made, camera, output, [chosen, *beside], lod.edges, **options)
-    options |= {"drape": many.drape(heights), "edges": many.wireframe}
-    mesh = terrain.make(heights, added).mesh(camera, lod=chosen, edges=lod.edges)
+        return many.render(made, camera, output, [chosen, *beside], lod.edge_rule, **options)
+    options |= {"drape": many.drape(heights), "wireframe": many.wireframe}
+    mesh = terrain.make(heights, added).mesh(camera, lod=chosen, edge_rule=lod.edge_rule)
     log("%r from %r", mesh, chosen)
-    draw(mesh, camera, output, height_range=heights.height_range, **options)
+    save_png(draw(mesh, camera, height_range=heights.height_range, **options), output)
     say(f"{output}: {_counts(mesh)}")
     return None
 
@@ -191,7 +190,7 @@ def mesh(
     heights, added = reading.load(ground), overlay.load()
     camera = view.over(heights)
     log("%r", heights)
-    made = terrain.make(heights, added).mesh(camera, lod=chosen, edges=lod.edges, cull=cull)
+    made = terrain.make(heights, added).mesh(camera, lod=chosen, edge_rule=lod.edge_rule, cull=cull)
     log("%r from %r", made, chosen)
     made.save(output)
     say(f"{output}: {_counts(made)}")

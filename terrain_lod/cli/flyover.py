@@ -79,7 +79,7 @@ class PathOptions:
         camera: Camera,
         folder: Path,
         lods: list[Lod | PromiseLod],
-        edges: str | None,
+        edge_rule: str | None,
         **look: Any,
     ) -> None:
         """Write the pictures."""
@@ -87,11 +87,17 @@ class PathOptions:
 
         cameras = self.cameras(terrain, camera)
         chosen = Look(
-            drape=self.drape(terrain.ground), edges=self.wireframe, counts=self.counts, **look
+            drape=self.drape(terrain.ground), wireframe=self.wireframe, counts=self.counts, **look
         )
         with progress_bar("drawing") as progress:
             paths = render_path(
-                terrain, cameras, folder, lods=lods, look=chosen, edges=edges, progress=progress
+                terrain,
+                cameras,
+                folder,
+                lods=lods,
+                look=chosen,
+                edge_rule=edge_rule,
+                progress=progress,
             )
         say(f"{folder}: {len(paths)} pictures")
 

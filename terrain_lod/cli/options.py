@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
@@ -12,6 +11,7 @@ from cyclopts import Group, Parameter, Token
 
 from ..arguments import whole
 from ..camera.camera import Camera, Point
+from ..camera.camera_file import load_camera
 from ..camera.viewpoint import default_camera
 from ..device.layout import MAX_TILE
 from ..errors import FileError, InputError
@@ -142,29 +142,10 @@ class CameraOptions:
     def instead_of(self, camera: Camera) -> Camera:
         """Return the camera; what is not given comes from `camera`."""
         if self.camera is not None:
-            camera = _camera_file(self.camera)
+            camera = load_camera(self.camera)
         given = {name: value for name, value in vars(self).items() if value is not None}
         given.pop("camera", None)
         return replace(camera, **given)
-
-
-def _camera_file(path: Path) -> Camera:
-    """Return the camera that a JSON file holds, alone or under the key ``camera``."""
-    try:
-        content = json.loads(path.read_text())
-    except OSError as error:
-        raise FileError(f"cannot read {path}: {error.strerror}") from None
-    except ValueError as error:
-        raise FileError(f"expected JSON in {path}, got {error}") from None
-    content = content.get("camera", content) if isinstance(content, dict) else content
-    known = [field.name for field in fields(Camera)]
-    if not isinstance(content, dict) or not {"eye", "target"} <= content.keys() <= set(known):
-        found = ", ".join(content) if isinstance(content, dict) else type(content).__name__
-        raise InputError(f"expected a camera ({', '.join(known)}) in {path}, got {found}")
-    content = {key: value for key, value in content.items() if value is not None}
-    if "size" in content:
-        content["size"] = tuple(content["size"])
-    return Camera(**content)
 
 
 LodName = Literal["screen-error", "max-error", "budget", "coplanarity", "distance", "uniform"]
@@ -241,7 +222,7 @@ class LodOptions:
     distance: near ground does. uniform: all alike."""
     factor: float | None = None
     """Segments along a tile's edge. Of uniform alone. Default: the cells of a tile."""
-    edges: Literal["min", "max", "edge"] | None = None
+    edge_rule: Literal["min", "max", "edge"] | None = None
     """Factor of an edge between two tiles: the lower of what they want, the higher, or by the
     edge's own error. Default: edge where an error is kept, else min."""
 

@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final, Literal, get_args
 
 import numpy as np
-import numpy.typing as npt
 from cyclopts import Group, Parameter
 
 from ..arguments import one_of
 from ..camera.camera import Camera
+from ..camera.viewpoint import camera_around
 from ..errors import InputError
 from ..paths import require_folder
 from .options import CameraOptions
@@ -22,15 +22,13 @@ if TYPE_CHECKING:
     from ..curved.patch_factors import EdgeFactor
     from ..mesh.mesh import Mesh
 
-_DETAIL: Final = Group("Level of detail", sort_key=3)
+_LOD: Final = Group("Level of detail", sort_key=3)
 _CREASE: Final = 30.0  # degrees
-# across, back and up from the middle of the mesh to the default eye, in diagonals
-_EYE: Final = (0.5, -1.0, 0.6)
 
 LodName = Literal["uniform", "distance", "length", "orientation", "silhouette", "curvature"]
 
 
-@Parameter(name="*", group=_DETAIL)
+@Parameter(name="*", group=_LOD)
 @dataclass(frozen=True)
 class EdgeOptions:
     """What formulas for the segments of an edge are made with."""
@@ -73,7 +71,7 @@ def smooth(
     /,
     *,
     output: Annotated[Path, Parameter(alias="-o", metavar="FILE")],
-    lod: Annotated[LodName, Parameter(group=_DETAIL)] = "uniform",
+    lod: Annotated[LodName, Parameter(group=_LOD)] = "uniform",
     sharp: bool = False,
     crease: float | None = None,
     normals: Literal["quadratic", "linear"] = "quadratic",
@@ -82,7 +80,7 @@ def smooth(
     ] = "fractional_odd",
     device: str | None = None,
     view: CameraOptions = CameraOptions(),  # noqa: B008
-    detail: EdgeOptions = EdgeOptions(),
+    numbers: EdgeOptions = EdgeOptions(),
 ) -> None:
     """Curve the triangles of any mesh, and keep it closed.
 
@@ -118,10 +116,13 @@ def smooth(
     one_of("mesh format", output.suffix.lower(), FORMATS)
     if crease is not None and not sharp:
         raise InputError(f"expected --sharp with --crease, got --crease {crease:g} alone")
-    formula = detail.make(lod)
+    formula = numbers.make(lod)
+    for option, value in vars(view).items():
+        if value is not None and not formula.needs_camera:
+            raise InputError(f"expected a --lod that looks through --{option}, got {lod}")
     source = _load(mesh)
-    camera = _camera(view, source)
-    if isinstance(formula, DistanceFactor) and detail.near is detail.far is None:
+    camera = view.instead_of(camera_around(source.vertices, source.origin))
+    if isinstance(formula, DistanceFactor) and numbers.near is numbers.far is None:
         formula = replace(formula, near=_nearest(camera, source))
     made = pn_triangles(
         source,
@@ -152,20 +153,10 @@ def _load(path: Path) -> Mesh:
     return mesh_loading.load_mesh(path)
 
 
-def _camera(options: CameraOptions, mesh: Mesh) -> Camera:
-    """Return the camera that was asked for; what is missing comes from a look at the mesh."""
-    middle, diagonal = _middle_and_diagonal(mesh)
-    eye = middle + np.array(_EYE) * diagonal
-    return options.instead_of(Camera(tuple(eye.tolist()), tuple(middle.tolist()), fov=45.0))
-
-
 def _nearest(camera: Camera, mesh: Mesh) -> float:
     """Return how far the sphere around the mesh's bounds is from the eye."""
-    middle, diagonal = _middle_and_diagonal(mesh)
-    return max(0.0, float(np.linalg.norm(middle - camera.eye)) - diagonal / 2)
-
-
-def _middle_and_diagonal(mesh: Mesh) -> tuple[npt.NDArray[np.float64], float]:
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     middle = (low.astype(np.float64) + high) / 2 + mesh.origin
-    return middle, float(np.linalg.norm(high - low))
+    return max(
+        0.0, float(np.linalg.norm(middle - camera.eye)) - float(np.linalg.norm(high - low)) / 2
+    )

@@ -42,7 +42,7 @@ class Polyline:
         return f"Polyline({len(self.points)} points{', closed' if self.closed else ''})"
 
 
-class Curve(NamedTuple):
+class CurveFormula(NamedTuple):
     """What shapes a curve, in the order of the kernel's array, and whether it closes."""
 
     numbers: dict[str, Number]
@@ -58,7 +58,7 @@ def _count(default: int) -> Number:
 
 
 CURVES: Final = {
-    "helix": Curve(
+    "helix": CurveFormula(
         {
             "radius": _RADIUS,
             "pitch": Number(0.5),
@@ -66,10 +66,10 @@ CURVES: Final = {
         },
         closed=False,
     ),
-    "torus_knot": Curve(
+    "torus_knot": CurveFormula(
         {"radius": _RADIUS, "tube": _TUBE, "p": _count(2), "q": _count(3)}, closed=True
     ),
-    "lissajous": Curve(
+    "lissajous": CurveFormula(
         {"size": _RADIUS, "x": _count(3), "y": _count(2), "z": _count(5)}, closed=True
     ),
 }

@@ -23,7 +23,7 @@ from ..terrain.lod import Lod, PromiseLod
 from ..terrain.terrain import Terrain
 from .drape import Drape
 from .graphics import require_graphics
-from .render import Picture, render, save_png
+from .picture import SUN, Picture, draw, save_png
 
 _NOTES: Final = "frames.json"  # what the pictures of a folder show
 _TEXT_HEIGHT: Final = 1 / 36  # of the picture
@@ -32,12 +32,12 @@ _GAP: Final = 2  # pixels between two pictures
 
 @dataclass(frozen=True, eq=False)
 class Look:
-    """How pictures are drawn; see :func:`terrain_lod.drawing.render.render`."""
+    """How pictures are drawn; see :func:`terrain_lod.render`."""
 
     style: str = "shaded"
-    sun: tuple[float, float] = (315.0, 40.0)
+    sun: tuple[float, float] = SUN
     drape: Drape | None = None
-    edges: bool = False
+    wireframe: bool = False
     counts: bool = True
 
 
@@ -48,7 +48,7 @@ def render_path(
     *,
     lods: Sequence[Lod | PromiseLod],
     look: Look = Look(),
-    edges: str | None = None,
+    edge_rule: str | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[Path, ...]:
     """Write a picture a camera, named 0000.png and on.
@@ -62,7 +62,7 @@ def render_path(
     lods : sequence of Lod or PromiseLod
         One, or two to be shown side by side.
     look : Look, optional
-    edges : {"min", "max"}, optional
+    edge_rule : {"min", "max", "edge"}, optional
         Rule for the factors of shared edges; see :meth:`terrain_lod.Terrain.mesh`.
     progress : callable, optional
         Called with pictures done and pictures in all.
@@ -85,12 +85,12 @@ def render_path(
         raise InputError(f"expected one or two levels of detail, got {len(lods)}")
     require_graphics()
     folder = require_made(Path(directory))
-    _require_same(folder, _description(terrain, cameras, lods, look, edges))
+    _require_same(folder, _description(terrain, cameras, lods, look, edge_rule))
     digits = max(4, len(str(len(cameras) - 1)))
     paths = tuple(folder / f"{number:0{digits}d}.png" for number in range(len(cameras)))
     for number, (camera, path) in enumerate(zip(cameras, paths, strict=True)):
         if not path.exists():
-            save_png(_picture(terrain, camera, lods, look, edges), path)
+            save_png(_picture(terrain, camera, lods, look, edge_rule), path)
         if progress is not None:
             progress(number + 1, len(cameras))
     return paths
@@ -101,7 +101,7 @@ def _picture(
     camera: Camera,
     lods: Sequence[Lod | PromiseLod],
     look: Look,
-    edges: str | None,
+    edge_rule: str | None,
 ) -> Picture:
     """Return the picture of one camera, a part of its width a LOD."""
     width, height = camera.size
@@ -109,15 +109,15 @@ def _picture(
     picture = np.full((height, width, 3), 255, np.uint8)
     for number, lod in enumerate(lods):
         seen = replace(camera, size=(max(1, part), height))
-        mesh = terrain.mesh(seen, lod=lod, edges=edges)
-        shown = render(
+        mesh = terrain.mesh(seen, lod=lod, edge_rule=edge_rule)
+        shown = draw(
             mesh,
             seen,
             style=look.style,
             sun=look.sun,
             height_range=terrain.ground.height_range,
             drape=look.drape,
-            edges=look.edges,
+            wireframe=look.wireframe,
         )
         if look.counts:
             shown = _labelled(shown, _label(mesh, lod))
@@ -156,7 +156,7 @@ def _description(
     cameras: Sequence[Camera],
     lods: Sequence[Lod | PromiseLod],
     look: Look,
-    edges: str | None,
+    edge_rule: str | None,
 ) -> dict[str, object]:
     """Return what makes the pictures what they are."""
     drape = None if look.drape is None else int(look.drape.picture.astype(np.uint64).sum())
@@ -164,8 +164,8 @@ def _description(
         "terrain": repr(terrain),
         "cameras": [repr(camera) for camera in cameras],
         "lods": [repr(lod) for lod in lods],
-        "edges": edges,
-        "look": [look.style, list(look.sun), look.edges, look.counts, drape],
+        "edge_rule": edge_rule,
+        "look": [look.style, list(look.sun), look.wireframe, look.counts, drape],
     }
 
 

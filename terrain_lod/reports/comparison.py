@@ -62,7 +62,7 @@ class Comparison:
     ----------
     terrain : Terrain
     camera : Camera
-    edges : str
+    edge_rule : str
         Rule for shared edges.
     distance, coplanarity : Trial
         At the parameters asked for.
@@ -72,7 +72,7 @@ class Comparison:
 
     terrain: Terrain
     camera: Camera
-    edges: str
+    edge_rule: str
     distance: Trial
     coplanarity: Trial
     equal: Trial
@@ -87,13 +87,13 @@ class Comparison:
         return abs(_excess(self.equal.triangles, self.coplanarity.triangles)) <= EQUAL_SHARE
 
 
-def compare(
+def compare_pair(
     terrain: Terrain,
     camera: Camera,
     *,
     distance: DistanceLod,
     coplanarity: CoplanarityLod,
-    edges: str = "min",
+    edge_rule: str = "min",
     step: Callable[[], None] = lambda: None,
 ) -> Comparison:
     """Mesh and measure both levels of detail, and distance LOD at equal triangle counts.
@@ -103,13 +103,13 @@ def compare(
     terrain : Terrain
     camera : Camera
     distance, coplanarity : DistanceLod, CoplanarityLod
-    edges : {"min", "max"}, optional
+    edge_rule : {"min", "max"}, optional
     step : callable, optional
         Called after each of the three trials.
     """
 
     def trial(name: str, lod: Lod) -> Trial:
-        runs = [terrain.mesh(camera, lod=lod, edges=edges) for _ in range(_RUNS)]
+        runs = [terrain.mesh(camera, lod=lod, edge_rule=edge_rule) for _ in range(_RUNS)]
         error = vertical_error(runs[0], terrain.ground, field=True, device=terrain.device)
         stages = runs[0].timings
         seconds = {stage: median(run.timings[stage] for run in runs) for stage in stages}
@@ -117,13 +117,13 @@ def compare(
         return Trial(name, lod, lod.parameters(terrain.scene), runs[0], error, seconds)
 
     by_distance, by_coplanarity = trial("distance", distance), trial("coplanarity", coplanarity)
-    lod = with_triangles(terrain, camera, distance, by_coplanarity.triangles, edges=edges)
+    lod = with_triangles(terrain, camera, distance, by_coplanarity.triangles, edge_rule=edge_rule)
     equal = trial("distance_equal", lod)
-    return Comparison(terrain, camera, edges, by_distance, by_coplanarity, equal)
+    return Comparison(terrain, camera, edge_rule, by_distance, by_coplanarity, equal)
 
 
 def with_triangles(
-    terrain: Terrain, camera: Camera, lod: DistanceLod, triangles: int, *, edges: str = "min"
+    terrain: Terrain, camera: Camera, lod: DistanceLod, triangles: int, *, edge_rule: str = "min"
 ) -> DistanceLod:
     """Return `lod` with the highest factor at which it draws `triangles`, to within 1 %.
 
@@ -134,7 +134,7 @@ def with_triangles(
     best, least = lod, float("inf")
     for _ in range(_BISECTIONS):
         candidate = replace(lod, maximum=(low + high) / 2)
-        count = len(terrain.mesh(camera, lod=candidate, edges=edges).triangles)
+        count = len(terrain.mesh(camera, lod=candidate, edge_rule=edge_rule).triangles)
         excess = _excess(count, triangles)
         if abs(excess) < least:
             best, least = candidate, abs(excess)

@@ -224,7 +224,7 @@ def _settings(comparison: Comparison) -> str:
     pairs = [
         ("Ground", repr(terrain.ground)),
         ("Coordinates", terrain.ground.crs or "not georeferenced"),
-        ("Tiles", f"{tiles} tiles of {terrain.grid.tile} cells, {comparison.edges} rule for edges"),
+        ("Tiles", f"{tiles} tiles of {terrain.grid.tile} cells, edge rule {comparison.edge_rule}"),
         ("Camera", f"eye {point(camera.eye)}, target {point(camera.target)}"),
         ("Picture", f"{view} high, {camera.size[0]} × {camera.size[1]} pixels"),
     ]

@@ -20,7 +20,7 @@ from ..ground.heightmap import Heightmap
 from ..paths import replacing, require_made
 from ..terrain.lod import CoplanarityLod, DistanceLod
 from ..terrain.terrain import Terrain
-from .comparison import Comparison, compare
+from .comparison import Comparison, compare_pair
 from .maps import save_maps
 from .page import page
 from .pictures import COUNT, Difference, save_pictures
@@ -59,12 +59,12 @@ class Report:
 
 def report(
     ground: Heightmap,
-    directory: str | Path,
+    folder: str | Path,
     *,
     camera: Camera | None = None,
     tile: int = DEFAULT_TILE,
     plane: str = "least_squares",
-    edges: str = "min",
+    edge_rule: str = "min",
     distance: DistanceLod | None = None,
     coplanarity: CoplanarityLod | None = None,
     device: Device | None = None,
@@ -79,13 +79,13 @@ def report(
     Parameters
     ----------
     ground : Heightmap
-    directory : str or Path
+    folder : str or Path
         Made if it is not there.
     camera : Camera, optional
         Default: an oblique view over the ground.
     tile, plane, device : optional
         As for :class:`Terrain`.
-    edges : {"min", "max"}, optional
+    edge_rule : {"min", "max"}, optional
     distance, coplanarity : DistanceLod, CoplanarityLod, optional
     progress : callable, optional
         Called with steps done and steps in all.
@@ -99,22 +99,22 @@ def report(
     InputError
         If an option is not one of these.
     FileError
-        If the directory or a file cannot be written.
+        If the folder or a file cannot be written.
     DeviceMemoryError
         If the device cannot hold the ground or a mesh.
     """
     step = _Steps(progress)
     terrain = Terrain(ground, tile=tile, plane=plane, device=device)
     step()
-    comparison = compare(
+    comparison = compare_pair(
         terrain,
         camera or default_camera(ground),
         distance=distance or DistanceLod(),
         coplanarity=coplanarity or CoplanarityLod(),
-        edges=edges,
+        edge_rule=edge_rule,
         step=step,
     )
-    folder = require_made(Path(directory))
+    folder = require_made(Path(folder))
     files, difference = save_pictures(comparison, folder, step)
     files["maps"] = save_maps(comparison, folder / "maps.svg")
     step()
@@ -200,7 +200,7 @@ def _json(made: Report, difference: Difference | None) -> str:
         },
         "camera": {name: _finite(value) for name, value in asdict(comparison.camera).items()},
         "tile": terrain.grid.tile,
-        "edges": comparison.edges,
+        "edge_rule": comparison.edge_rule,
         "device": str(terrain.device.info),
         "trials": {
             trial.name: {

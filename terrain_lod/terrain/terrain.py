@@ -218,7 +218,7 @@ class Terrain:
         camera: Camera | None = None,
         *,
         lod: Lod | PromiseLod | Weighted | None = None,
-        edges: str | None = None,
+        edge_rule: str | None = None,
         partitioning: str = "fractional_odd",
         cull: bool = True,
     ) -> Mesh:
@@ -231,7 +231,7 @@ class Terrain:
         lod : Lod, PromiseLod or Weighted, optional
             A formula for the segments that a patch deserves, or an error to keep, or either with
             weights on it; defaults to ``ScreenErrorLod(1.0)``.
-        edges : {"min", "max", "edge"}, optional
+        edge_rule : {"min", "max", "edge"}, optional
             Factor of a shared edge: the lower of the two tiles' (the default with a formula, and
             the book's), the higher, or by the edge's own error (the default with a promise, and
             for promises alone).
@@ -261,11 +261,11 @@ class Terrain:
             weights = self._weights(camera, lod)
             lod = lod.lod if isinstance(lod, Weighted) else lod
             if isinstance(lod, PromiseLod):
-                promise = self._promise(camera, edges or "edge", partitioning, cull, weights)
+                promise = self._promise(camera, edge_rule or "edge", partitioning, cull, weights)
                 kept = promise.keep(lod)
                 factors, pattern, achieved = kept.factors, kept.pattern, kept.achieved
             else:
-                factors = self._factors(camera, lod, edges or "min", cull, weights)
+                factors = self._factors(camera, lod, edge_rule or "min", cull, weights)
                 pattern = self._pattern(factors, partitioning)
             vertices = displace_on_device(self._ground, self.grid, pattern)
             return self._download(factors, pattern, vertices, timeline, achieved)

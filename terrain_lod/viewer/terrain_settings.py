@@ -38,7 +38,7 @@ _RANGED: Final = ("lod", ("coplanarity", "distance"))
 _CHOICES: Final = (
     Choice("mode", "m", MODES),
     Choice("lod", "l", LODS, "level of detail"),
-    Choice("edges", "e", ("edge", "min", "max"), "factor of shared edges"),
+    Choice("edge_rule", "e", ("edge", "min", "max"), "factor of shared edges"),
     *SHARED,
 )
 
@@ -54,7 +54,7 @@ class TerrainSettings(Settings):
     horizon, silhouette : float
         Weights of tiles against the sky and of tiles seen edge on; see
         :class:`terrain_lod.Weighted`.
-    edges : str
+    edge_rule : str
         Rule for the factors of shared edges.
     tile : int
         Cells along a tile.
@@ -69,7 +69,7 @@ class TerrainSettings(Settings):
     silhouette: float = 1.0
     factor: float = float(_TILE)
     maximum: float = float(_TILE)
-    edges: str = "edge"
+    edge_rule: str = "edge"
     tile: int = _TILE
 
     def __post_init__(self) -> None:
@@ -78,7 +78,7 @@ class TerrainSettings(Settings):
         object.__setattr__(self, "tile", whole("tile", self.tile, 1, MAX_TILE))
 
     def __str__(self) -> str:
-        return f"{super().__str__()}, edges {self.edge_rule}, tiles of {self.tile}"
+        return f"{super().__str__()}, edge rule {self.usable_edge_rule}, tiles of {self.tile}"
 
     @property
     def choices(self) -> tuple[Choice, ...]:
@@ -119,10 +119,10 @@ class TerrainSettings(Settings):
         return self.with_tile(new.tile) if name == "tile" else new
 
     @property
-    def edge_rule(self) -> str:
+    def usable_edge_rule(self) -> str:
         """The edge rule, as far as the level of detail has it."""
         promises = self.tessellated and self.lod in _PROMISES
-        return self.edges if promises or self.edges != "edge" else "min"
+        return self.edge_rule if promises or self.edge_rule != "edge" else "min"
 
     def detail(self) -> Lod | PromiseLod | Weighted:
         """Return the level of detail."""

@@ -128,7 +128,7 @@ def test_nothing_in_view_is_culled_and_what_is_behind_is() -> None:
 
 def test_unknown_edge_rule() -> None:
     with pytest.raises(tl.InputError, match="min, max"):
-        tl.Terrain(rough()).mesh(lod=tl.UniformLod(3), edges="mean")
+        tl.Terrain(rough()).mesh(lod=tl.UniformLod(3), edge_rule="mean")
 
 
 @pytest.mark.parametrize(

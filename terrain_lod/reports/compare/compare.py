@@ -21,7 +21,7 @@ from ...arguments import whole
 from ...device.device import Device
 from ...device.layout import DEFAULT_TILE
 from ...drawing.graphics import graphics_problem
-from ...drawing.render import render
+from ...drawing.picture import draw, save_png
 from ...ground.heightmap import Heightmap
 from ...paths import replacing, require_made
 from ...terrain.lod import (
@@ -91,9 +91,9 @@ class SweepReport:
         return [*self.sweep, *self.tiles, *self.partitionings]
 
 
-def compare_all(
+def compare(
     ground: Heightmap,
-    directory: str | Path,
+    folder: str | Path,
     *,
     tile: int = DEFAULT_TILE,
     views: int = 3,
@@ -108,7 +108,7 @@ def compare_all(
     Parameters
     ----------
     ground : Heightmap
-    directory : str or Path
+    folder : str or Path
         Made if it is not there.
     tile : int, optional
         Cells along a tile, of the sweep.
@@ -124,7 +124,7 @@ def compare_all(
         If an option is not one of these, a file cannot be written, or the device is too small.
     """
     views = whole("views", views, 1, 100)
-    folder = require_made(Path(directory))
+    folder = require_made(Path(folder))
     course = Course(ground, views, device or Device.open())
     course.terrain(tile)  # a wrong tile is refused before anything takes time
     groups = contenders(ground, tile), tile_sizes(ground), partitionings(tile)
@@ -164,10 +164,9 @@ def _pictures(course: Course, tile: int, folder: Path) -> dict[str, Path]:
         CoplanarityLod(maximum=float(tile)),
     ):
         name = type(lod).__name__
-        path = folder / f"lod_{name}.png"
         mesh = terrain.mesh(camera, lod=lod)
-        render(mesh, camera, path, style="lod", factor_range=(1.0, max(tile, 2)))
-        pictures[name] = path
+        picture = draw(mesh, camera, style="lod", factor_range=(1.0, max(tile, 2)))
+        pictures[name] = save_png(picture, folder / f"lod_{name}.png")
     return pictures
 
 
@@ -191,7 +190,7 @@ def _who(result: Result) -> dict[str, Any]:
         "family": contender.family,
         "parameter": contender.parameter,
         "unit": contender.unit,
-        "edges": contender.edges or None,
+        "edge_rule": contender.edge_rule or None,
         "tile": contender.tile or None,
         "partitioning": contender.partitioning if is_ours else None,
     }

@@ -220,8 +220,8 @@ def _cost_line(result: Result) -> list[str]:
 
 def _who(result: Result) -> tuple[str, str, str]:
     contender = result.contender
-    label = contender.label.removesuffix(f", {contender.edges}")
-    return label, contender.edges, f"{result.triangles:,}"
+    label = contender.label.removesuffix(f", {contender.edge_rule}")
+    return label, contender.edge_rule, f"{result.triangles:,}"
 
 
 def _milliseconds(seconds: float | None) -> str:

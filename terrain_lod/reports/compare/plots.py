@@ -96,4 +96,5 @@ def _draw(ax: Axes, results: Sequence[Result], pair: Pair) -> None:
 def _is_drawn(result: Result, family: str) -> bool:
     contender = result.contender
     default = "edge" if family in ("MaxErrorLod", "ScreenErrorLod", "BudgetLod") else "min"
-    return contender.family == family and (contender.peer is not None or contender.edges == default)
+    is_shown = contender.peer is not None or contender.edge_rule == default
+    return contender.family == family and is_shown

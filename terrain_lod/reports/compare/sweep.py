@@ -48,7 +48,7 @@ class Contender:
     lod : Lod, PromiseLod or None
     peer : Peer or None
         One of the two is there.
-    edges, partitioning : str
+    edge_rule, partitioning : str
     tile : int
         Cells; these three say nothing of a peer.
     """
@@ -58,7 +58,7 @@ class Contender:
     unit: str
     lod: Lod | PromiseLod | None = field(default=None, repr=False)
     peer: Peer | None = field(default=None, repr=False)
-    edges: str = ""
+    edge_rule: str = ""
     partitioning: str = "fractional_odd"
     tile: int = 0
 
@@ -79,7 +79,8 @@ class Contender:
     def label(self) -> str:
         """What people read: ``"MaxErrorLod 5 m, edge"``."""
         unit = "×" if self.unit == "share" else self.unit
-        return f"{self.family} {self.parameter:,g} {unit}" + (self.edges and f", {self.edges}")
+        rule = f", {self.edge_rule}" if self.edge_rule else ""
+        return f"{self.family} {self.parameter:,g} {unit}{rule}"
 
 
 def tolerances(ground: Heightmap) -> tuple[float, ...]:
@@ -103,8 +104,8 @@ def contenders(ground: Heightmap, tile: int) -> list[Contender]:
 
 
 def _ours(ground: Heightmap, tile: int) -> Iterator[Contender]:
-    def ours(lod: Lod | PromiseLod, parameter: float, unit: str, edges: str) -> Contender:
-        return Contender(type(lod).__name__, parameter, unit, lod, edges=edges, tile=tile)
+    def ours(lod: Lod | PromiseLod, parameter: float, unit: str, edge_rule: str) -> Contender:
+        return Contender(type(lod).__name__, parameter, unit, lod, edge_rule=edge_rule, tile=tile)
 
     cells = (max(1.0, round(share * tile)) for share in _FACTORS)
     factors = tuple(dict.fromkeys(cells))
@@ -135,7 +136,7 @@ def tile_sizes(ground: Heightmap) -> list[Contender]:
     """Return the two promises at a middle tolerance, for every tile size."""
     metres = tolerances(ground)[len(tolerances(ground)) // 2]
     return [
-        Contender(type(lod).__name__, value, unit, lod, edges="edge", tile=tile)
+        Contender(type(lod).__name__, value, unit, lod, edge_rule="edge", tile=tile)
         for lod, value, unit in (
             (MaxErrorLod(metres), metres, "m"),
             (ScreenErrorLod(1.0), 1.0, "pixels"),
