@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-import csv
-import io
-import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Final
 
@@ -17,18 +13,19 @@ from ..device.device import Device
 from ..device.layout import DEFAULT_TILE
 from ..drawing.graphics import graphics_problem
 from ..ground.heightmap import Heightmap
-from ..paths import replacing, require_made
+from ..paths import require_made
 from ..terrain.lod import CoplanarityLod, DistanceLod
 from ..terrain.terrain import Terrain
 from .comparison import Comparison, compare_pair
 from .maps import save_maps
-from .page import page
+from .pair_page import pair_page
 from .pictures import COUNT, Difference, save_pictures
 from .tables import Row, rows_of
+from .texts import Steps, csv_text, json_text, write_texts
 from .verdict import verdict
 
 # of the JSON file; raised when a key changes its meaning
-FORMAT: Final = 1
+FORMAT: Final = 2
 
 _STEPS: Final = 1 + 3 + COUNT + 1 + 1  # terrain, trials, pictures, maps, texts
 
@@ -103,7 +100,7 @@ def report(
     DeviceMemoryError
         If the device cannot hold the ground or a mesh.
     """
-    step = _Steps(progress)
+    step = Steps(progress, _STEPS)
     terrain = Terrain(ground, tile=tile, plane=plane, device=device)
     step()
     comparison = compare_pair(
@@ -125,68 +122,42 @@ def report(
         files,
         graphics_problem(),
     )
-    _write_texts(made, difference, folder)
+    for name, path in write_texts(folder, _texts(made, difference)).items():
+        made.files[Path(name).suffix[1:]] = path
     step.finish()
     return made
 
 
-class _Steps:
-    """Counts steps for those who want to know."""
-
-    def __init__(self, progress: Callable[[int, int], None] | None) -> None:
-        self._progress = progress or (lambda done, total: None)
-        self._done = 0
-
-    def __call__(self) -> None:
-        self._done += 1
-        self._progress(self._done, _STEPS)
-
-    def finish(self) -> None:
-        """Report the end, pictures that could not be drawn included."""
-        self._progress(_STEPS, _STEPS)
-
-
-def _write_texts(made: Report, difference: Difference | None, folder: Path) -> None:
-    """Write the numbers and the page, and add them to the report's files."""
-    text = page(
-        made.comparison,
-        made.rows,
-        made.verdict,
-        made.files,
-        difference,
-        version=version("terrain_lod"),
-        no_pictures=made.no_pictures,
-    )
-    made.files["html"] = _written(folder / "report.html", text)
-    made.files["json"] = _written(folder / "report.json", _json(made, difference))
-    made.files["csv"] = _written(folder / "report.csv", _csv(made))
+def _texts(made: Report, difference: Difference | None) -> dict[str, str]:
+    """Return the page and the numbers, by the names of their files."""
+    return {
+        "report.html": pair_page(
+            made.comparison,
+            made.rows,
+            made.verdict,
+            made.files,
+            difference,
+            no_pictures=made.no_pictures,
+        ),
+        "report.json": json_text(FORMAT, _content(made, difference)),
+        "report.csv": csv_text(_lines(made)),
+    }
 
 
-def _written(path: Path, text: str) -> Path:
-    with replacing(path) as temporary:
-        temporary.write_text(text, encoding="utf-8", newline="\n")
-    return path
-
-
-def _csv(made: Report) -> str:
-    """Return a line a quantity: its key, its unit, a value a trial."""
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(["quantity", "unit", *(trial.name for trial in made.comparison.trials)])
+def _lines(made: Report) -> Iterator[list[str]]:
+    """Yield a line a quantity: its key, its unit, a value a trial."""
+    yield ["quantity", "unit", *(trial.name for trial in made.comparison.trials)]
     for row in made.rows:
         values = ["" if value is None else repr(value) for value in row.values]
-        writer.writerow([row.key, row.unit, *values])
-    return stream.getvalue()
+        yield [row.key, row.unit, *values]
 
 
-def _json(made: Report, difference: Difference | None) -> str:
+def _content(made: Report, difference: Difference | None) -> dict[str, Any]:
     """Return everything: what was compared, every quantity of every trial, the verdict."""
     comparison, terrain = made.comparison, made.comparison.terrain
     ground = terrain.ground
     low, high = ground.height_range
-    content: dict[str, Any] = {
-        "format": FORMAT,
-        "terrain_lod": version("terrain_lod"),
+    return {
         "ground": {
             "name": ground.name,
             "rows": ground.shape[0],
@@ -198,7 +169,7 @@ def _json(made: Report, difference: Difference | None) -> str:
             "nodata": 0 if ground.mask is None else int(ground.mask.sum()),
             "crs": ground.crs,
         },
-        "camera": {name: _finite(value) for name, value in asdict(comparison.camera).items()},
+        "camera": asdict(comparison.camera),
         "tile": terrain.grid.tile,
         "edge_rule": comparison.edge_rule,
         "device": str(terrain.device.info),
@@ -216,9 +187,3 @@ def _json(made: Report, difference: Difference | None) -> str:
         "difference": None if difference is None else asdict(difference),
         "verdict": made.verdict,
     }
-    return json.dumps(content, indent=2, allow_nan=False) + "\n"
-
-
-def _finite(value: Any) -> Any:
-    """Return None for an infinite number, which JSON has no name for."""
-    return None if isinstance(value, float) and value == float("inf") else value

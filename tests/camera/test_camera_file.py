@@ -24,6 +24,7 @@ def written(tmp_path: Path, content: Any) -> Path:
 
 def test_fields_come_as_they_are_and_null_is_not_given(tmp_path: Path) -> None:
     whole = {**GOOD, "up": [0, 1, 0], "fov": 30, "size": [64, 48], "near": 2, "far": 50}
+    bare = Camera((1, 2, 3), (0, 0, 0))
     expected = Camera((1, 2, 3), (0, 0, 0), (0, 1, 0), 30.0, (64, 48), 2.0, 50.0)
     assert load_camera(written(tmp_path, whole)) == expected
     assert load_camera(written(tmp_path, {"camera": whole, "verdict": []})) == expected
@@ -32,7 +33,7 @@ def test_fields_come_as_they_are_and_null_is_not_given(tmp_path: Path) -> None:
         expected,
     ]
     far = load_camera(written(tmp_path, {**GOOD, "far": None, "height": None, "fov": None}))
-    assert far == Camera((1, 2, 3), (0, 0, 0))
+    assert far == bare
     assert math.isinf(far.far)
 
 
