@@ -78,8 +78,6 @@ def demo(
 
     Parameters
     ----------
-    ground
-        A raster file or the name of a bundled sample.
     output
         Folder to write, made if it is not there.
     """
@@ -122,8 +120,6 @@ def render(
 
     Parameters
     ----------
-    ground
-        A raster file or the name of a bundled sample.
     output
         PNG to write; a folder with --path, --orbit or --flyover.
     style
@@ -173,12 +169,11 @@ def mesh(
 
     Parameters
     ----------
-    ground
-        A raster file or the name of a bundled sample.
     output
         File to write: .glb, .obj, .ply, .stl or .vtp.
     cull
-        Leave out patches that the camera does not see.
+        Leave out patches that the camera does not see. Files are looked at from anywhere, so that
+        they are whole by default.
     """
     from ..files.meshes.export import FORMATS
     from ..measure.cracks import crack_report

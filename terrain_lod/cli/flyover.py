@@ -34,7 +34,7 @@ class PathOptions:
     """Once around the target."""
     flyover: _Switch = False
     """Across the ground from the south to the north."""
-    frames: int = 120
+    frames: int = 60
     """How many pictures. Those that are there already are not made again."""
     beside: Literal["coplanarity", "distance", "uniform", "screen-error"] | None = None
     """A second LOD, shown beside the first; screen-error keeps one pixel."""

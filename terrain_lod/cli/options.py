@@ -50,8 +50,9 @@ _Spacing = Annotated[tuple[float, ...] | None, numbers("DX[,DY]", 1, 2)]
 _Range = Annotated[tuple[float, float] | None, numbers("LOW,HIGH", 2)]
 Sun = Annotated[tuple[float, float] | None, numbers("AZIMUTH,ELEVATION", 2)]
 
-Ground = Annotated[str, Parameter(metavar="GROUND")]
-"""A raster file, or the name of a bundled sample."""
+Ground = Annotated[
+    str, Parameter(metavar="GROUND", help="A raster file or the name of a bundled sample.")
+]
 
 _GROUND: Final = Group("Ground", sort_key=1)
 _CAMERA: Final = Group("Camera", sort_key=2)

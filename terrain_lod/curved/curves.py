@@ -42,7 +42,7 @@ class Polyline:
         return f"Polyline({len(self.points)} points{', closed' if self.closed else ''})"
 
 
-class CurveFormula(NamedTuple):
+class Curve(NamedTuple):
     """What shapes a curve, in the order of the kernel's array, and whether it closes."""
 
     numbers: dict[str, Number]
@@ -58,7 +58,7 @@ def _count(default: int) -> Number:
 
 
 CURVES: Final = {
-    "helix": CurveFormula(
+    "helix": Curve(
         {
             "radius": _RADIUS,
             "pitch": Number(0.5),
@@ -66,10 +66,10 @@ CURVES: Final = {
         },
         closed=False,
     ),
-    "torus_knot": CurveFormula(
+    "torus_knot": Curve(
         {"radius": _RADIUS, "tube": _TUBE, "p": _count(2), "q": _count(3)}, closed=True
     ),
-    "lissajous": CurveFormula(
+    "lissajous": Curve(
         {"size": _RADIUS, "x": _count(3), "y": _count(2), "z": _count(5)}, closed=True
     ),
 }
@@ -79,8 +79,8 @@ def curve(
     name: str,
     *,
     pieces: int = 16,
-    factor: float = 16.0,
-    partitioning: str = "integer",
+    factor: float = 5.0,
+    partitioning: str = "fractional_odd",
     device: Device | None = None,
     **numbers: float,
 ) -> Polyline:
@@ -112,8 +112,8 @@ def curve(
 
     Examples
     --------
-    >>> curve("torus_knot", pieces=16, factor=16)
-    Polyline(257 points, closed)
+    >>> curve("torus_knot", pieces=16, factor=5)
+    Polyline(81 points, closed)
     """
     one_of("curve", name, CURVES)
     one_of("partitioning", partitioning, PARTITIONINGS)

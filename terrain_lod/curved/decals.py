@@ -164,11 +164,12 @@ def dent(
     depths : (R, C) array_like
         The map that they share; bilinear, its first row at the top.
     factor : float, optional
-        Segments where a decal reaches an edge, or the inside of a triangle, 1 to 64.
+        Segments where a decal reaches an edge, or the inside of a triangle, 1 to 64; about as many
+        as the map has samples along a triangle.
     elsewhere : float, optional
         Segments of all others.
     curved : bool, optional
-        Dent the PN-triangles instead of the plane ones.
+        Dent the PN-triangles. By default what no decal reaches keeps its plane triangles.
     partitioning : {"fractional_odd", "fractional_even", "integer", "pow2"}, optional
     device : Device, optional
 

@@ -22,7 +22,7 @@ from .uniform_quads import Evaluate, uniform_mesh
 _MOST_PATCHES: Final = 16384  # along u or v: steps are counted in 32 bits
 
 
-class SurfaceFormula(NamedTuple):
+class Surface(NamedTuple):
     """What the host must know of a surface.
 
     Attributes
@@ -46,12 +46,12 @@ _EXPONENT: Final = Number(0.4, low=0.1, high=2.0)
 _TURNS: Final = Number(2.0, low=0.5, high=64.0, step=0.5)
 
 SURFACES: Final = {
-    "sphere": SurfaceFormula({"radius": _RADIUS}, closed="u"),
-    "torus": SurfaceFormula({"radius": _RADIUS, "tube": Number(0.4)}, closed="uv"),
-    "moebius": SurfaceFormula({"radius": _RADIUS, "width": Number(0.6)}, closed="u", twisted=True),
-    "klein": SurfaceFormula({"radius": Number(2.0), "size": _RADIUS}, closed="uv", twisted=True),
-    "helicoid": SurfaceFormula({"radius": _RADIUS, "pitch": Number(1.0), "turns": _TURNS}),
-    "seashell": SurfaceFormula(
+    "sphere": Surface({"radius": _RADIUS}, closed="u"),
+    "torus": Surface({"radius": _RADIUS, "tube": Number(0.4)}, closed="uv"),
+    "moebius": Surface({"radius": _RADIUS, "width": Number(0.6)}, closed="u", twisted=True),
+    "klein": Surface({"radius": Number(2.0), "size": _RADIUS}, closed="uv", twisted=True),
+    "helicoid": Surface({"radius": _RADIUS, "pitch": Number(1.0), "turns": _TURNS}),
+    "seashell": Surface(
         {
             "turns": Number(4.0, low=0.5, high=64.0, step=0.5),
             "growth": Number(2.0, low=1.01, high=100.0),
@@ -60,7 +60,7 @@ SURFACES: Final = {
         },
         closed="v",
     ),
-    "superquadric": SurfaceFormula(
+    "superquadric": Surface(
         {"radius": _RADIUS, "along": _EXPONENT, "across": _EXPONENT}, closed="u"
     ),
 }

@@ -39,6 +39,8 @@ Picture = npt.NDArray[np.uint8]
 
 SUN: Final = (315.0, 40.0)
 """Where light comes from: degrees clockwise from north, degrees above the horizon."""
+SUN_ON_MESHES: Final = (200.0, 40.0)
+"""The same for what is no ground, which is looked at from the south: over the shoulder."""
 
 STYLES: Final = ("shaded", "plain", "wireframe", "lod")
 

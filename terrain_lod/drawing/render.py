@@ -15,7 +15,7 @@ from ..terrain.lod import Lod, PromiseLod, Weighted
 from ..terrain.terrain import Terrain
 from .drape import Drape
 from .graphics import require_graphics
-from .picture import STYLES, SUN, Picture, draw, require_png, save_png
+from .picture import STYLES, SUN, SUN_ON_MESHES, Picture, draw, require_png, save_png
 
 
 def render(
@@ -25,7 +25,7 @@ def render(
     camera: Camera | None = None,
     lod: Lod | PromiseLod | Weighted | None = None,
     style: str | None = None,
-    sun: tuple[float, float] = SUN,
+    sun: tuple[float, float] | None = None,
     texture: str | Path | None = None,
     wireframe: bool = False,
     height_range: tuple[float, float] | None = None,
@@ -53,6 +53,8 @@ def render(
         terrain made.
     sun : (float, float), optional
         Where the light comes from: degrees clockwise from north, degrees above the horizon.
+        Default: 315, 40, as maps are lit; 200, 40, over the shoulder, for a mesh that no terrain
+        made.
     texture : str or Path, optional
         Picture laid over ground or terrain in place of tints, row 0 north. For style "shaded".
     wireframe : bool, optional
@@ -105,11 +107,12 @@ def render(
         what = what.mesh(camera, lod=lod)
     elif camera is None:
         camera = camera_around(what.vertices, what.origin)
+    is_ground = what.patches is not None
     picture = draw(
         what,
         camera,
-        style=style or ("plain" if what.patches is None else "shaded"),
-        sun=sun,
+        style=style or ("shaded" if is_ground else "plain"),
+        sun=sun or (SUN if is_ground else SUN_ON_MESHES),
         height_range=height_range,
         factor_range=factor_range,
         drape=drape,

@@ -1,55 +1,219 @@
-"""The page that every report fills: one file to mail, nothing loaded from elsewhere."""
+"""The page of two levels of detail at one camera: pictures, what came out, what it took."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from html import escape
-from importlib.metadata import version
-from importlib.resources import files
-from string import Template
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Final
 
-from ..drawing.colours import LOD_STOPS
-from .html import paragraph
+from .comparison import EQUAL_SHARE, Comparison, Trial
+from .html import (
+    card,
+    definitions,
+    figure,
+    formatted,
+    paragraph,
+    row_of_figures,
+    section,
+    table,
+)
+from .maps import factor_range
+from .pictures import VISIBLE_DIFFERENCE, Difference
+from .tables import Row, rasterised_share
+from .template import filled_page
+from .verdict import small_share
+
+_TRIALS: Final = ("Distance", "Coplanarity", "Distance, as many triangles")
 
 
-def filled_page(
+def page(
+    comparison: Comparison,
+    rows: Sequence[Row],
+    verdict: Sequence[str],
+    pictures: Mapping[str, Path],
+    difference: Difference | None,
     *,
-    title: str,
-    subtitle: str,
-    verdict: Iterable[str],
-    cards: Iterable[str],
-    sections: Iterable[str],
-    numbers: str,
+    no_pictures: str | None = None,
 ) -> str:
-    """Return the text of a page.
+    """Return the page's text.
 
     Parameters
     ----------
-    title, subtitle : str
-    verdict : iterable of str
+    comparison : Comparison
+    rows : sequence of Row
+    verdict : sequence of str
         Sentences.
-    cards, sections : iterable of str
-        HTML of :mod:`~terrain_lod.reports.html`.
-    numbers : str
-        Names of the files that hold the same numbers.
+    pictures : mapping of str to Path
+        Files by name; ``maps`` alone where no 3-D picture could be drawn.
+    difference : Difference or None
+        Of the two shaded pictures.
+    no_pictures : str, optional
+        Why there are no 3-D pictures.
     """
-    number = version("terrain_lod")
-    template = Template(files("terrain_lod.reports").joinpath("report.html").read_text("utf-8"))
-    return template.substitute(
-        version=escape(number),
-        title=escape(title),
-        subtitle=escape(subtitle),
-        verdict="\n".join(map(paragraph, verdict)),
-        cards="\n".join(cards),
-        sections="\n".join(sections),
-        footer=escape(f"Made by terrain_lod {number}. The same numbers: {numbers}."),
-        ramp=css_ramp(),
+    if no_pictures is None:
+        seen = _seen(comparison, pictures)
+    else:
+        seen = section("What the camera sees", paragraph(f"No 3-D pictures. {no_pictures}."))
+    return filled_page(
+        title=f"Level of detail: {comparison.terrain.ground.name}",
+        subtitle=_subtitle(comparison),
+        verdict=verdict,
+        cards=_cards(comparison, difference),
+        sections=[
+            seen,
+            _result(rows),
+            _from_above(comparison, pictures["maps"]),
+            _stages(rows),
+            _times(comparison, rows),
+            _settings(comparison),
+        ],
+        numbers="report.json, report.csv",
     )
 
 
-def css_ramp() -> str:
-    """Return the colours of levels of detail as CSS has them."""
-    return ", ".join(
-        f"rgb({', '.join(str(round(255 * channel)) for channel in colour)}) {position:.0%}"
-        for position, *colour in LOD_STOPS
+def _subtitle(comparison: Comparison) -> str:
+    ground = comparison.terrain.ground
+    (rows, columns), (low, high) = ground.shape, ground.height_range
+    width, depth = (extent / 1000 for extent in ground.extent)
+    return (
+        f"{rows:,} × {columns:,} samples, {ground.spacing[0]:g} × {ground.spacing[1]:g} m apart, "
+        f"{width:.4g} × {depth:.4g} km, {low:,.0f} to {high:,.0f} m high. "
+        "Naive distance LOD against coplanarity LOD, from the same camera."
     )
+
+
+def _cards(comparison: Comparison, difference: Difference | None) -> Iterator[str]:
+    distance, coplanarity, equal = comparison.trials
+    if distance.triangles:
+        change = coplanarity.triangles / distance.triangles - 1
+        yield card(_change(change), "triangles: coplanarity LOD against distance LOD")
+    if comparison.is_equal and equal.error.rms > 0:
+        change = coplanarity.error.rms / equal.error.rms - 1
+        yield card(_change(change), "RMS vertical error, with as many triangles")
+    if difference is not None:
+        share = small_share(difference.visible_share)
+        yield card(
+            share.replace("less than ", "< "),
+            f"of the pixels differ by more than {VISIBLE_DIFFERENCE:.0%}",
+        )
+    total = formatted(sum(coplanarity.seconds.values()), "s")
+    yield card(f"{total} ms", f"for all stages of {coplanarity.triangles:,} triangles")
+
+
+def _change(share: float) -> str:
+    return f"{share:+.1%}".replace("-", "−")
+
+
+def _seen(comparison: Comparison, pictures: Mapping[str, Path]) -> str:
+    """Return the book's figures: 9.22 beside 9.23, and 9.24."""
+    pair = comparison.distance, comparison.coplanarity
+    low, high = factor_range(comparison)
+    ramp = f'<div class="ramp"><span>{low:g}</span><i></i><span>{high:g} segments</span></div>'
+    detail = [figure(pictures[f"lod_{trial.name}"], _caption(comparison, trial)) for trial in pair]
+    lines = [
+        figure(pictures[f"wireframe_{trial.name}"], f"{_name(trial)}: wireframe") for trial in pair
+    ]
+    shaded = [
+        figure(pictures["shaded_distance"], "Distance LOD"),
+        figure(
+            pictures["difference"],
+            "Their difference: black none, white complete (square root scale)",
+        ),
+        figure(pictures["shaded_coplanarity"], "Coplanarity LOD"),
+    ]
+    return "\n".join(
+        [
+            section(
+                "Where the triangles go",
+                paragraph(
+                    "Each patch in the colour of its inside factor: red is the most detail, "
+                    "black the least.",
+                    kind="soft",
+                ),
+                ramp,
+                row_of_figures("two", detail + lines),
+            ),
+            section("What is left of it on the screen", row_of_figures("three", shaded)),
+        ]
+    )
+
+
+def _name(trial: Trial) -> str:
+    return "Coplanarity LOD" if trial.name == "coplanarity" else "Distance LOD"
+
+
+def _caption(comparison: Comparison, trial: Trial) -> str:
+    share = rasterised_share(comparison, trial)
+    return f"{_name(trial)}: {trial.triangles:,} triangles generated, {share:.0%} rasterised"
+
+
+def _result(rows: Sequence[Row]) -> str:
+    return section(
+        "Triangles and error",
+        paragraph(
+            "Vertical error is measured at every sample under the drawn patches, from the "
+            "triangles themselves. The last column is the distance LOD again, its highest factor "
+            f"lowered until the triangle counts agree to {EQUAL_SHARE:.0%}.",
+            kind="soft",
+        ),
+        table(_TRIALS, [row for row in rows if row.table == "result"]),
+    )
+
+
+def _from_above(comparison: Comparison, maps: Path) -> str:
+    return section(
+        "From above",
+        figure(
+            maps,
+            "The outline on the ground is the picture's, on the level of the lowest ground. Grey: "
+            "nothing drawn. The error maps compare equal triangle counts.",
+        ),
+    )
+
+
+def _stages(rows: Sequence[Row]) -> str:
+    return section(
+        "Stages and storage",
+        paragraph(
+            "What Direct3D 11 would be called for and would hold, in the formats of the book's "
+            "table (section 9.1.1): 20 bytes a vertex, 12 control points a patch. Below, what the "
+            "same triangles take as a plain mesh, and what this engine holds on its device.",
+            kind="soft",
+        ),
+        table(_TRIALS, [row for row in rows if row.table == "stages"]),
+        table(_TRIALS, [row for row in rows if row.table == "storage"]),
+    )
+
+
+def _times(comparison: Comparison, rows: Sequence[Row]) -> str:
+    return section(
+        "Time",
+        paragraph(
+            f"Device time by stage, warm, median of runs, on {comparison.terrain.device.info}.",
+            kind="soft",
+        ),
+        table(_TRIALS, [row for row in rows if row.table == "time"]),
+    )
+
+
+def _settings(comparison: Comparison) -> str:
+    terrain, camera = comparison.terrain, comparison.camera
+    tiles = " × ".join(map(str, terrain.grid.shape))
+    view = f"{camera.fov:g}°" if camera.height is None else f"{camera.height:g} m, parallel,"
+
+    def point(values: Sequence[float]) -> str:
+        return ", ".join(f"{value:.6g}" if abs(value) < 1e5 else f"{value:.1f}" for value in values)
+
+    pairs = [
+        ("Ground", repr(terrain.ground)),
+        ("Coordinates", terrain.ground.crs or "not georeferenced"),
+        ("Tiles", f"{tiles} tiles of {terrain.grid.tile} cells, edge rule {comparison.edge_rule}"),
+        ("Camera", f"eye {point(camera.eye)}, target {point(camera.target)}"),
+        ("Picture", f"{view} high, {camera.size[0]} × {camera.size[1]} pixels"),
+    ]
+    pairs += [(_TRIALS[index], _parameters(trial)) for index, trial in enumerate(comparison.trials)]
+    return section("Settings", definitions(pairs))
+
+
+def _parameters(trial: Trial) -> str:
+    return ", ".join(f"{name} {value:.4g}" for name, value in trial.parameters.items())

@@ -18,7 +18,7 @@ from ..terrain.lod import CoplanarityLod, DistanceLod
 from ..terrain.terrain import Terrain
 from .comparison import Comparison, compare_pair
 from .maps import save_maps
-from .pair_page import pair_page
+from .page import page
 from .pictures import COUNT, Difference, save_pictures
 from .tables import Row, rows_of
 from .texts import Steps, csv_text, json_text, write_texts
@@ -131,7 +131,7 @@ def report(
 def _texts(made: Report, difference: Difference | None) -> dict[str, str]:
     """Return the page and the numbers, by the names of their files."""
     return {
-        "report.html": pair_page(
+        "report.html": page(
             made.comparison,
             made.rows,
             made.verdict,

@@ -9,6 +9,7 @@ from ..curved import patch_factors
 from ..curved.patch_factors import MAX_FACTOR, EdgeFactor, UniformFactor
 from ..curved.smooth import NORMALS, SEMI_UNIFORM
 from ..device.layout import PARTITIONINGS
+from ..drawing.picture import SUN_ON_MESHES
 from .settings import (
     SHARED,
     SUN,
@@ -29,7 +30,6 @@ _CHOICES: Final = (
     Choice("back_faces", "b", (True, False), "back faces"),
     *SHARED[1:],
 )
-_SUN_FROM: Final = 200.0  # over the shoulder of the first view
 _FACTOR: Final = Slider(
     "factor", "factor", 1.0, MAX_FACTOR, ("lod", ("uniform",)), logarithmic=True
 )
@@ -39,7 +39,7 @@ _FACTOR: Final = Slider(
 class BezierSettings(Settings):
     """What a viewer of Bézier patches is set to: one factor for all of them."""
 
-    azimuth: float = _SUN_FROM
+    azimuth: float = SUN_ON_MESHES[0]
 
     @property
     def choices(self) -> tuple[Choice, ...]:
@@ -68,7 +68,7 @@ class CurvedSettings(Settings):
         Whether patches that are turned away are drawn.
     """
 
-    azimuth: float = _SUN_FROM
+    azimuth: float = SUN_ON_MESHES[0]
     pixels: float = 8.0
     cosine: float = 0.3
     sharp: str = "normals"

@@ -48,7 +48,7 @@ def test_without_a_camera_all_is_in_view() -> None:
     # what no terrain made is no ground: plain, around its middle
     ring = tl.curved.surface("torus")
     camera = camera_around(ring.vertices)
-    np.testing.assert_array_equal(tl.render(ring), draw(ring, camera, style="plain"))
+    np.testing.assert_array_equal(tl.render(ring), draw(ring, camera, style="plain", sun=(200, 40)))
     pixels, depth = camera.project(ring.vertices)
     assert (depth > 0).all()
     assert ((pixels > 0) & (pixels < camera.size)).all()

@@ -13,7 +13,7 @@ from ..html import (
     row_of_figures,
     section,
 )
-from ..page import filled_page
+from ..template import filled_page
 from .trials import Result
 
 if TYPE_CHECKING:
