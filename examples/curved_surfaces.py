@@ -4,22 +4,19 @@ from pathlib import Path
 
 import numpy as np
 
-from terrain_lod.curved.bezier import bezier
-from terrain_lod.curved.curves import curve
-from terrain_lod.curved.surfaces import surface
-from terrain_lod.measure.cracks import crack_report
+import terrain_lod as tl
 
 # 24 bicubic patches of our own; any .bpt file of the Utah teapot does as well
-pot = bezier(Path(__file__).parent / "data" / "pot.bpt", factor=7.5)
-print(pot, crack_report(pot, closed=True))
+pot = tl.curved.bezier(Path(__file__).parent / "data" / "pot.bpt", factor=7.5)
+print(pot, tl.crack_report(pot, closed=True))
 pot.save("pot.glb")
 
 # the patches meet, and the surface closes, to the bit: watertight
 for name in ("torus", "klein", "seashell", "superquadric"):
-    mesh = surface(name, patches=(16, 8), factor=9)
-    print(name, mesh, crack_report(mesh))
+    mesh = tl.curved.surface(name, patches=(16, 8), factor=9)
+    print(name, mesh, tl.crack_report(mesh))
     mesh.save(f"{name}.glb")
 
-knot = curve("torus_knot", p=2, q=5, tube=0.5)
+knot = tl.curved.curve("torus_knot", p=2, q=5, tube=0.5)
 length = np.linalg.norm(np.diff(knot.points, axis=0), axis=1).sum()
 print(knot, f"{length:.2f} long")

@@ -170,8 +170,8 @@ def check_lod(lod: Lod, reference: Formula | None = None, *, device: Device | No
         eye, tiles = np.subtract(camera.eye, case.origin), case.tiles(device)
         planes = camera.planes(case.origin)
         for edges in EDGE_RULES:
-            found = hull_on_device(tiles, lod, camera, edges=edges)
-            looked: dict[str, Any] = {"edges": edges, "camera": camera, "formula": reference}
+            found = hull_on_device(tiles, lod, camera, edge_rule=edges)
+            looked: dict[str, Any] = {"edge_rule": edges, "camera": camera, "formula": reference}
             edge, inside = hull.factors(
                 ground, grid, case.fits, lod, tiles.scene, eye, planes, **looked
             )

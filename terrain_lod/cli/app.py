@@ -78,8 +78,6 @@ def demo(
 
     Parameters
     ----------
-    ground
-        A raster file or the name of a bundled sample.
     output
         Folder to write, made if it is not there.
     """
@@ -122,8 +120,6 @@ def render(
 
     Parameters
     ----------
-    ground
-        A raster file or the name of a bundled sample.
     output
         PNG to write; a folder with --path, --orbit or --flyover.
     style
@@ -133,8 +129,7 @@ def render(
         Where the light comes from: degrees clockwise from north, degrees above the horizon.
     """
     from ..drawing.graphics import require_graphics
-    from ..drawing.render import render as draw
-    from ..drawing.render import require_png
+    from ..drawing.picture import draw, require_png, save_png
 
     if not many.many:
         require_png(output)
@@ -148,10 +143,10 @@ def render(
     if many.many:
         made = terrain.make(heights, added)
         return many.render(made, camera, output, [chosen, *beside], meshing, **options)
-    options |= {"drape": many.drape(heights), "edges": many.wireframe}
+    options |= {"drape": many.drape(heights), "wireframe": many.wireframe}
     mesh = terrain.make(heights, added).mesh(camera, lod=chosen, **vars(meshing))
     log("%r from %r", mesh, chosen)
-    draw(mesh, camera, output, height_range=heights.height_range, **options)
+    save_png(draw(mesh, camera, height_range=heights.height_range, **options), output)
     say(f"{output}: {_counts(mesh)}")
     return None
 
@@ -174,12 +169,11 @@ def mesh(
 
     Parameters
     ----------
-    ground
-        A raster file or the name of a bundled sample.
     output
         File to write: .glb, .obj, .ply, .stl or .vtp.
     cull
-        Leave out patches that the camera does not see.
+        Leave out patches that the camera does not see. Files are looked at from anywhere, so that
+        they are whole by default.
     """
     from ..files.meshes.export import FORMATS
     from ..measure.cracks import crack_report

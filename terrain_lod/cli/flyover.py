@@ -35,7 +35,7 @@ class PathOptions:
     """Once around the target."""
     flyover: _Switch = False
     """Across the ground from the south to the north."""
-    frames: int = 120
+    frames: int = 60
     """How many pictures. Those that are there already are not made again."""
     beside: Annotated[str | None, Parameter(metavar="NAME")] = None
     """A second level of detail, shown beside the first: a name as for --lod. It takes those options
@@ -85,7 +85,7 @@ class PathOptions:
 
         cameras = self.cameras(terrain, camera)
         chosen = Look(
-            drape=self.drape(terrain.ground), edges=self.wireframe, counts=self.counts, **look
+            drape=self.drape(terrain.ground), wireframe=self.wireframe, counts=self.counts, **look
         )
         with progress_bar("drawing") as progress:
             paths = render_path(

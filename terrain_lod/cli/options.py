@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 
 from cyclopts import Group, Parameter, Token
 
 from ..camera.camera import Camera, Point
+from ..camera.camera_file import load_camera
 from ..camera.viewpoint import default_camera
 from ..errors import FileError, InputError
 from ..ground.heightmap import Heightmap
@@ -42,8 +42,9 @@ _Spacing = Annotated[tuple[float, ...] | None, numbers("DX[,DY]", 1, 2)]
 _Range = Annotated[tuple[float, float] | None, numbers("LOW,HIGH", 2)]
 Sun = Annotated[tuple[float, float] | None, numbers("AZIMUTH,ELEVATION", 2)]
 
-Ground = Annotated[str, Parameter(metavar="GROUND")]
-"""A raster file, or the name of a bundled sample."""
+Ground = Annotated[
+    str, Parameter(metavar="GROUND", help="A raster file or the name of a bundled sample.")
+]
 
 _GROUND: Final = Group("Ground", sort_key=1)
 _CAMERA: Final = Group("Camera", sort_key=2)
@@ -134,29 +135,10 @@ class CameraOptions:
     def instead_of(self, camera: Camera) -> Camera:
         """Return the camera; what is not given comes from `camera`."""
         if self.camera is not None:
-            camera = _camera_file(self.camera)
+            camera = load_camera(self.camera)
         given = {name: value for name, value in vars(self).items() if value is not None}
         given.pop("camera", None)
         return replace(camera, **given)
-
-
-def _camera_file(path: Path) -> Camera:
-    """Return the camera that a JSON file holds, alone or under the key ``camera``."""
-    try:
-        content = json.loads(path.read_text())
-    except OSError as error:
-        raise FileError(f"cannot read {path}: {error.strerror}") from None
-    except ValueError as error:
-        raise FileError(f"expected JSON in {path}, got {error}") from None
-    content = content.get("camera", content) if isinstance(content, dict) else content
-    known = [field.name for field in fields(Camera)]
-    if not isinstance(content, dict) or not {"eye", "target"} <= content.keys() <= set(known):
-        found = ", ".join(content) if isinstance(content, dict) else type(content).__name__
-        raise InputError(f"expected a camera ({', '.join(known)}) in {path}, got {found}")
-    content = {key: value for key, value in content.items() if value is not None}
-    if "size" in content:
-        content["size"] = tuple(content["size"])
-    return Camera(**content)
 
 
 @Parameter(name="*", group=DETAIL)
@@ -164,7 +146,7 @@ def _camera_file(path: Path) -> Camera:
 class MeshingOptions:
     """How factors become triangles."""
 
-    edges: Literal["min", "max", "edge"] | None = None
+    edge_rule: Literal["min", "max", "edge"] | None = None
     """Factor of an edge between two tiles: the lower of what they want, the higher, or by the
     edge's own error. Default: edge where an error is kept, else min."""
     partitioning: Literal["fractional_odd", "fractional_even", "integer", "pow2"] = "fractional_odd"

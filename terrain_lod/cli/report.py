@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 from cyclopts import Parameter
 
@@ -23,9 +24,14 @@ from .output import (
     warn,
 )
 
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
 Ground = Annotated[str | None, Parameter(metavar="GROUND", show_default=False)]
 OutputFolder = Annotated[Path, Parameter(alias="-o", metavar="DIR")]
 Switch = Annotated[bool, Parameter(show_default=False)]
+
+_VIEWS: Final = 3
 
 
 def report(
@@ -35,7 +41,7 @@ def report(
     output: OutputFolder,
     compare: Switch = False,
     stability: Switch = False,
-    views: int = 3,
+    views: int | None = None,
     reading: GroundOptions = GroundOptions(),  # noqa: B008
     view: CameraOptions = CameraOptions(),  # noqa: B008
     lod: LodOptions = LodOptions(),  # noqa: B008
@@ -56,21 +62,51 @@ def report(
     stability
         Every kernel against its reference in 64 bits instead, on ground that is hard on floats.
     views
-        Cameras of the flight. Of --compare alone.
+        Cameras of the flight. Of --compare alone. Default: 3.
     """
+    pair_alone = {**_given(view), **_given(meshing), **lod.given}
+    # a class of the user's own is compared as well
+    named = {} if lod.lod is None or ":" in lod.lod else {"lod": lod.lod}
     if compare and stability:
         raise InputError("expected --compare or --stability, got both")
     if stability:
+        tiles = {name: value for name, value in _given(terrain).items() if name != "device"}
+        _refuse(
+            "--stability",
+            {"views": views, "lod": lod.lod, **pair_alone, **_given(reading), **tiles},
+        )
+        if ground is not None:
+            raise InputError(f"expected no GROUND with --stability, got {ground!r}: leave it out")
         _write_stability(output, terrain)
         return
     if ground is None:
         raise InputError("expected GROUND, a raster file or the name of a sample, got none")
+    if compare:
+        # the planes that deviations are measured from matter to the pair alone
+        plane = {name: value for name, value in _given(terrain).items() if name == "plane"}
+        _refuse("--compare", named | pair_alone | plane)
+    elif views is not None:
+        raise InputError(f"expected --compare with --views, got --views {views} alone")
     heights = reading.load(ground)
     log("%r", heights)
     if compare:
-        _write_comparison(heights, output, terrain, views)
-        return
-    _write_pair(heights, output, view, lod, meshing, terrain)
+        _write_comparison(heights, output, terrain, _VIEWS if views is None else views)
+    else:
+        _write_pair(heights, output, view, lod, meshing, terrain)
+
+
+def _given(options: DataclassInstance) -> dict[str, Any]:
+    """Return those of the options that are not as they are without being asked for."""
+    usual = {field.name: field.default for field in fields(options)}
+    return {name: value for name, value in vars(options).items() if value != usual[name]}
+
+
+def _refuse(switch: str, options: dict[str, Any]) -> None:
+    """Say which of the options that are given means nothing beside `switch`."""
+    for name, value in options.items():
+        if value is not None:
+            flag = "--" + name.replace("_", "-")
+            raise InputError(f"expected no {flag} with {switch}, got {value}: leave it out")
 
 
 def _write_pair(
@@ -110,10 +146,10 @@ def _write_pair(
 def _write_comparison(
     heights: Heightmap, output: Path, terrain: TerrainOptions, views: int
 ) -> None:
-    from ..reports.compare.compare import compare_all
+    from ..reports.compare.compare import compare
 
     with progress_bar("comparing") as progress:
-        made = compare_all(
+        made = compare(
             heights,
             output,
             tile=terrain.tile,

@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final, Literal
 
 import numpy as np
-import numpy.typing as npt
 from cyclopts import Parameter
 
 from ..arguments import one_of
 from ..camera.camera import Camera
+from ..camera.viewpoint import camera_around
 from ..errors import InputError
 from ..paths import require_folder
 from .lod_options import EdgeOptions
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from ..mesh.mesh import Mesh
 
 _CREASE: Final = 30.0  # degrees
-# across, back and up from the middle of the mesh to the default eye, in diagonals
-_EYE: Final = (0.5, -1.0, 0.6)
 
 
 def smooth(
@@ -74,8 +72,13 @@ def smooth(
     if crease is not None and not sharp:
         raise InputError(f"expected --sharp with --crease, got --crease {crease:g} alone")
     formula = detail.make()
+    for option, value in vars(view).items():
+        if value is not None and not formula.needs_camera:
+            raise InputError(
+                f"expected a --lod that looks through --{option}, got {type(formula).__name__}"
+            )
     source = _load(mesh)
-    camera = _camera(view, source)
+    camera = view.instead_of(camera_around(source.vertices, source.origin))
     if isinstance(formula, DistanceFactor) and not detail.given.keys() & {"near", "far"}:
         formula = replace(formula, near=_nearest(camera, source))
     made = pn_triangles(
@@ -107,20 +110,10 @@ def _load(path: Path) -> Mesh:
     return mesh_loading.load_mesh(path)
 
 
-def _camera(options: CameraOptions, mesh: Mesh) -> Camera:
-    """Return the camera that was asked for; what is missing comes from a look at the mesh."""
-    middle, diagonal = _middle_and_diagonal(mesh)
-    eye = middle + np.array(_EYE) * diagonal
-    return options.instead_of(Camera(tuple(eye.tolist()), tuple(middle.tolist()), fov=45.0))
-
-
 def _nearest(camera: Camera, mesh: Mesh) -> float:
     """Return how far the sphere around the mesh's bounds is from the eye."""
-    middle, diagonal = _middle_and_diagonal(mesh)
-    return max(0.0, float(np.linalg.norm(middle - camera.eye)) - diagonal / 2)
-
-
-def _middle_and_diagonal(mesh: Mesh) -> tuple[npt.NDArray[np.float64], float]:
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     middle = (low.astype(np.float64) + high) / 2 + mesh.origin
-    return middle, float(np.linalg.norm(high - low))
+    return max(
+        0.0, float(np.linalg.norm(middle - camera.eye)) - float(np.linalg.norm(high - low)) / 2
+    )

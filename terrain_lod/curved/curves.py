@@ -112,8 +112,8 @@ def curve(
     /,
     *,
     pieces: int = 16,
-    factor: float = 16.0,
-    partitioning: str = "integer",
+    factor: float = 5.0,
+    partitioning: str = "fractional_odd",
     device: Device | None = None,
     **numbers: float,
 ) -> Polyline:
@@ -145,8 +145,8 @@ def curve(
 
     Examples
     --------
-    >>> curve("torus_knot", pieces=16, factor=16)
-    Polyline(257 points, closed)
+    >>> curve("torus_knot", pieces=16, factor=5)
+    Polyline(81 points, closed)
     """
     kind = _named(shape)
     one_of("partitioning", partitioning, PARTITIONINGS)

@@ -23,7 +23,7 @@ from ..terrain.lod import AnyLod, checked_lod, unweighted
 from ..terrain.terrain import Terrain
 from .drape import Drape
 from .graphics import require_graphics
-from .render import Picture, render, save_png
+from .picture import SUN, Picture, draw, save_png
 
 _NOTES: Final = "frames.json"  # what the pictures of a folder show
 _TEXT_HEIGHT: Final = 1 / 36  # of the picture
@@ -32,12 +32,12 @@ _GAP: Final = 2  # pixels between two pictures
 
 @dataclass(frozen=True, eq=False)
 class Look:
-    """How pictures are drawn; see :func:`terrain_lod.drawing.render.render`."""
+    """How pictures are drawn; see :func:`terrain_lod.render`."""
 
     style: str = "shaded"
-    sun: tuple[float, float] = (315.0, 40.0)
+    sun: tuple[float, float] = SUN
     drape: Drape | None = None
-    edges: bool = False
+    wireframe: bool = False
     counts: bool = True
 
 
@@ -48,7 +48,7 @@ def render_path(
     *,
     lods: Sequence[AnyLod],
     look: Look = Look(),
-    edges: str | None = None,
+    edge_rule: str | None = None,
     partitioning: str = "fractional_odd",
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[Path, ...]:
@@ -63,7 +63,7 @@ def render_path(
     lods : sequence of Lod, PromiseLod or Weighted
         One, or two to be shown side by side.
     look : Look, optional
-    edges, partitioning : str, optional
+    edge_rule, partitioning : str, optional
         As for :meth:`terrain_lod.Terrain.mesh`.
     progress : callable, optional
         Called with pictures done and pictures in all.
@@ -82,7 +82,7 @@ def render_path(
     FileError
         If the folder or a picture cannot be written.
     """
-    meshing: dict[str, Any] = {"edges": edges, "partitioning": partitioning}
+    meshing: dict[str, Any] = {"edge_rule": edge_rule, "partitioning": partitioning}
     if len(lods) not in (1, 2):
         raise InputError(f"expected one or two levels of detail, got {len(lods)}")
     for lod in lods:
@@ -114,14 +114,14 @@ def _picture(
     for number, lod in enumerate(lods):
         seen = replace(camera, size=(max(1, part), height))
         mesh = terrain.mesh(seen, lod=lod, **meshing)
-        shown = render(
+        shown = draw(
             mesh,
             seen,
             style=look.style,
             sun=look.sun,
             height_range=terrain.ground.height_range,
             drape=look.drape,
-            edges=look.edges,
+            wireframe=look.wireframe,
         )
         if look.counts:
             shown = _labelled(shown, _label(mesh, lod))
@@ -169,7 +169,7 @@ def _description(
         "cameras": [repr(camera) for camera in cameras],
         "lods": [repr(lod) for lod in lods],
         **meshing,
-        "look": [look.style, list(look.sun), look.edges, look.counts, drape],
+        "look": [look.style, list(look.sun), look.wireframe, look.counts, drape],
     }
 
 

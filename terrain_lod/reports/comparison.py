@@ -71,7 +71,7 @@ class Comparison:
     ----------
     terrain : Terrain
     camera : Camera
-    edges, partitioning : str
+    edge_rule, partitioning : str
         Distance LOD's rule for shared edges, and how edges are divided.
     distance, other : Trial
         At the parameters asked for.
@@ -81,7 +81,7 @@ class Comparison:
 
     terrain: Terrain
     camera: Camera
-    edges: str
+    edge_rule: str
     partitioning: str
     distance: Trial
     other: Trial
@@ -97,13 +97,13 @@ class Comparison:
         return abs(_excess(self.equal.triangles, self.other.triangles)) <= EQUAL_SHARE
 
 
-def compare(
+def compare_pair(
     terrain: Terrain,
     camera: Camera,
     *,
     distance: DistanceLod,
     lod: AnyLod,
-    edges: str | None = None,
+    edge_rule: str | None = None,
     partitioning: str = "fractional_odd",
     step: Callable[[], None] = lambda: None,
 ) -> Comparison:
@@ -116,7 +116,7 @@ def compare(
     distance : DistanceLod
     lod : Lod, PromiseLod or Weighted
         What it is compared with.
-    edges, partitioning : str, optional
+    edge_rule, partitioning : str, optional
         As for :meth:`terrain_lod.Terrain.mesh`.
     step : callable, optional
         Called after each of the three trials.
@@ -128,7 +128,7 @@ def compare(
     """
     if isinstance(lod, DistanceLod):
         raise InputError("expected another level of detail than distance, which it is compared to")
-    meshing: dict[str, Any] = {"edges": edges, "partitioning": partitioning}
+    meshing: dict[str, Any] = {"edge_rule": edge_rule, "partitioning": partitioning}
 
     def trial(name: str, lod: AnyLod) -> Trial:
         runs = [terrain.mesh(camera, lod=lod, **meshing) for _ in range(_RUNS)]
@@ -142,7 +142,9 @@ def compare(
     by_distance, by_other = trial("distance", distance), trial(name_of(lod), lod)
     matched = with_triangles(terrain, camera, distance, by_other.triangles, **meshing)
     equal = trial("distance_equal", matched)
-    return Comparison(terrain, camera, edges or "min", partitioning, by_distance, by_other, equal)
+    return Comparison(
+        terrain, camera, edge_rule or "min", partitioning, by_distance, by_other, equal
+    )
 
 
 def _parameters(lod: AnyLod, terrain: Terrain) -> dict[str, float]:
@@ -162,7 +164,7 @@ def with_triangles(
     lod: DistanceLod,
     triangles: int,
     *,
-    edges: str | None = None,
+    edge_rule: str | None = None,
     partitioning: str = "fractional_odd",
 ) -> DistanceLod:
     """Return `lod` with the highest factor at which it draws `triangles`, to within 1 %.
@@ -174,7 +176,7 @@ def with_triangles(
     best, least = lod, float("inf")
     for _ in range(_BISECTIONS):
         candidate = replace(lod, maximum=(low + high) / 2)
-        mesh = terrain.mesh(camera, lod=candidate, edges=edges, partitioning=partitioning)
+        mesh = terrain.mesh(camera, lod=candidate, edge_rule=edge_rule, partitioning=partitioning)
         count = len(mesh.triangles)
         excess = _excess(count, triangles)
         if abs(excess) < least:

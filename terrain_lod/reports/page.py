@@ -1,14 +1,10 @@
-"""A report as one HTML page that can be mailed: pictures inside, nothing loaded from elsewhere."""
+"""The page of two levels of detail at one camera: pictures, what came out, what it took."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from html import escape
-from importlib.resources import files
 from pathlib import Path
-from string import Template
 
-from ..drawing.colours import LOD_STOPS
 from .comparison import EQUAL_SHARE, Comparison, Trial
 from .html import (
     card,
@@ -23,6 +19,7 @@ from .html import (
 from .maps import factor_range
 from .pictures import VISIBLE_DIFFERENCE, Difference
 from .tables import Row, rasterised_share
+from .template import filled_page
 from .verdict import small_share
 
 
@@ -37,7 +34,6 @@ def page(
     pictures: Mapping[str, Path],
     difference: Difference | None,
     *,
-    version: str,
     no_pictures: str | None = None,
 ) -> str:
     """Return the page's text.
@@ -52,7 +48,6 @@ def page(
         Files by name; ``maps`` alone where no 3-D picture could be drawn.
     difference : Difference or None
         Of the two shaded pictures.
-    version : str
     no_pictures : str, optional
         Why there are no 3-D pictures.
     """
@@ -60,25 +55,20 @@ def page(
         seen = _seen(comparison, pictures)
     else:
         seen = section("What the camera sees", paragraph(f"No 3-D pictures. {no_pictures}."))
-    template = Template(files("terrain_lod.reports").joinpath("report.html").read_text("utf-8"))
-    return template.substitute(
-        version=escape(version),
-        title=escape(f"Level of detail: {comparison.terrain.ground.name}"),
-        subtitle=escape(_subtitle(comparison)),
-        verdict="\n".join(map(paragraph, verdict)),
-        cards="\n".join(_cards(comparison, difference)),
-        sections="\n".join(
-            [
-                seen,
-                _result(comparison, rows),
-                _from_above(comparison, pictures["maps"]),
-                _stages(comparison, rows),
-                _times(comparison, rows),
-                _settings(comparison),
-            ]
-        ),
-        footer=escape(f"Made by terrain_lod {version}. The same numbers: report.json, report.csv."),
-        ramp=css_ramp(),
+    return filled_page(
+        title=f"Level of detail: {comparison.terrain.ground.name}",
+        subtitle=_subtitle(comparison),
+        verdict=verdict,
+        cards=_cards(comparison, difference),
+        sections=[
+            seen,
+            _result(comparison, rows),
+            _from_above(comparison, pictures["maps"]),
+            _stages(comparison, rows),
+            _times(comparison, rows),
+            _settings(comparison),
+        ],
+        numbers="report.json, report.csv",
     )
 
 
@@ -90,13 +80,6 @@ def _subtitle(comparison: Comparison) -> str:
         f"{rows:,} × {columns:,} samples, {ground.spacing[0]:g} × {ground.spacing[1]:g} m apart, "
         f"{width:.4g} × {depth:.4g} km, {low:,.0f} to {high:,.0f} m high. "
         f"Naive distance LOD against {comparison.other.name} LOD, from the same camera."
-    )
-
-
-def css_ramp() -> str:
-    return ", ".join(
-        f"rgb({', '.join(str(round(255 * channel)) for channel in colour)}) {position:.0%}"
-        for position, *colour in LOD_STOPS
     )
 
 
@@ -221,7 +204,7 @@ def _settings(comparison: Comparison) -> str:
     pairs = [
         ("Ground", repr(terrain.ground)),
         ("Coordinates", terrain.ground.crs or "not georeferenced"),
-        ("Tiles", f"{tiles} tiles of {terrain.grid.tile} cells, {comparison.edges} rule for edges"),
+        ("Tiles", f"{tiles} tiles of {terrain.grid.tile} cells, edge rule {comparison.edge_rule}"),
         ("Partitioning", comparison.partitioning),
         ("Camera", f"eye {point(camera.eye)}, target {point(camera.target)}"),
         ("Picture", f"{view} high, {camera.size[0]} × {camera.size[1]} pixels"),

@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-import csv
-import io
-import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Final
 
@@ -18,19 +14,20 @@ from ..device.layout import DEFAULT_TILE
 from ..drawing.graphics import graphics_problem
 from ..errors import InputError
 from ..ground.heightmap import Heightmap
-from ..paths import replacing, require_made
+from ..paths import require_made
 from ..terrain.lod import AnyLod, checked_lod, unweighted
 from ..terrain.lod_formulas import CoplanarityLod, DistanceLod
 from ..terrain.terrain import Terrain
-from .comparison import Comparison, compare
+from .comparison import Comparison, compare_pair
 from .maps import save_maps
 from .page import page
 from .pictures import COUNT, Difference, save_pictures
 from .tables import Row, rows_of
+from .texts import Steps, csv_text, json_text, write_texts
 from .verdict import verdict
 
 # of the JSON file; raised when a key changes its meaning
-FORMAT: Final = 1
+FORMAT: Final = 2
 
 _STEPS: Final = 1 + 3 + COUNT + 1 + 1  # terrain, trials, pictures, maps, texts
 
@@ -61,14 +58,14 @@ class Report:
 
 def report(
     ground: Heightmap,
-    directory: str | Path,
+    folder: str | Path,
     *,
     camera: Camera | None = None,
     tile: int = DEFAULT_TILE,
     plane: str = "least_squares",
     lod: AnyLod | None = None,
     distance: DistanceLod | None = None,
-    edges: str | None = None,
+    edge_rule: str | None = None,
     partitioning: str = "fractional_odd",
     device: Device | None = None,
     progress: Callable[[int, int], None] | None = None,
@@ -82,7 +79,7 @@ def report(
     Parameters
     ----------
     ground : Heightmap
-    directory : str or Path
+    folder : str or Path
         Made if it is not there.
     camera : Camera, optional
         Default: an oblique view over the ground.
@@ -92,7 +89,7 @@ def report(
         What distance LOD is compared with. Default: ``CoplanarityLod()``.
     distance : DistanceLod, optional
         Default: ``DistanceLod()``.
-    edges, partitioning : str, optional
+    edge_rule, partitioning : str, optional
         As for :meth:`Terrain.mesh`.
     progress : callable, optional
         Called with steps done and steps in all.
@@ -106,7 +103,7 @@ def report(
     InputError
         If an option is not one of these.
     FileError
-        If the directory or a file cannot be written.
+        If the folder or a file cannot be written.
     DeviceMemoryError
         If the device cannot hold the ground or a mesh.
     """
@@ -114,19 +111,19 @@ def report(
     distance = DistanceLod() if distance is None else distance
     if not isinstance(distance, DistanceLod):
         raise InputError(f"expected a DistanceLod for distance, got {distance!r}")
-    step = _Steps(progress)
+    step = Steps(progress, _STEPS)
     terrain = Terrain(ground, tile=tile, plane=plane, device=device)
     step()
-    comparison = compare(
+    comparison = compare_pair(
         terrain,
         camera or default_camera(ground),
         distance=distance,
         lod=lod,
-        edges=edges,
+        edge_rule=edge_rule,
         partitioning=partitioning,
         step=step,
     )
-    folder = require_made(Path(directory))
+    folder = require_made(Path(folder))
     files, difference = save_pictures(comparison, folder, step)
     files["maps"] = save_maps(comparison, folder / "maps.svg")
     step()
@@ -137,68 +134,42 @@ def report(
         files,
         graphics_problem(),
     )
-    _write_texts(made, difference, folder)
+    for name, path in write_texts(folder, _texts(made, difference)).items():
+        made.files[Path(name).suffix[1:]] = path
     step.finish()
     return made
 
 
-class _Steps:
-    """Counts steps for those who want to know."""
-
-    def __init__(self, progress: Callable[[int, int], None] | None) -> None:
-        self._progress = progress or (lambda done, total: None)
-        self._done = 0
-
-    def __call__(self) -> None:
-        self._done += 1
-        self._progress(self._done, _STEPS)
-
-    def finish(self) -> None:
-        """Report the end, pictures that could not be drawn included."""
-        self._progress(_STEPS, _STEPS)
-
-
-def _write_texts(made: Report, difference: Difference | None, folder: Path) -> None:
-    """Write the numbers and the page, and add them to the report's files."""
-    text = page(
-        made.comparison,
-        made.rows,
-        made.verdict,
-        made.files,
-        difference,
-        version=version("terrain_lod"),
-        no_pictures=made.no_pictures,
-    )
-    made.files["html"] = _written(folder / "report.html", text)
-    made.files["json"] = _written(folder / "report.json", _json(made, difference))
-    made.files["csv"] = _written(folder / "report.csv", _csv(made))
+def _texts(made: Report, difference: Difference | None) -> dict[str, str]:
+    """Return the page and the numbers, by the names of their files."""
+    return {
+        "report.html": page(
+            made.comparison,
+            made.rows,
+            made.verdict,
+            made.files,
+            difference,
+            no_pictures=made.no_pictures,
+        ),
+        "report.json": json_text(FORMAT, _content(made, difference)),
+        "report.csv": csv_text(_lines(made)),
+    }
 
 
-def _written(path: Path, text: str) -> Path:
-    with replacing(path) as temporary:
-        temporary.write_text(text, encoding="utf-8", newline="\n")
-    return path
-
-
-def _csv(made: Report) -> str:
-    """Return a line a quantity: its key, its unit, a value a trial."""
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(["quantity", "unit", *(trial.name for trial in made.comparison.trials)])
+def _lines(made: Report) -> Iterator[list[str]]:
+    """Yield a line a quantity: its key, its unit, a value a trial."""
+    yield ["quantity", "unit", *(trial.name for trial in made.comparison.trials)]
     for row in made.rows:
         values = ["" if value is None else repr(value) for value in row.values]
-        writer.writerow([row.key, row.unit, *values])
-    return stream.getvalue()
+        yield [row.key, row.unit, *values]
 
 
-def _json(made: Report, difference: Difference | None) -> str:
+def _content(made: Report, difference: Difference | None) -> dict[str, Any]:
     """Return everything: what was compared, every quantity of every trial, the verdict."""
     comparison, terrain = made.comparison, made.comparison.terrain
     ground = terrain.ground
     low, high = ground.height_range
-    content: dict[str, Any] = {
-        "format": FORMAT,
-        "terrain_lod": version("terrain_lod"),
+    return {
         "ground": {
             "name": ground.name,
             "rows": ground.shape[0],
@@ -210,9 +181,9 @@ def _json(made: Report, difference: Difference | None) -> str:
             "nodata": 0 if ground.mask is None else int(ground.mask.sum()),
             "crs": ground.crs,
         },
-        "camera": {name: _finite(value) for name, value in asdict(comparison.camera).items()},
+        "camera": asdict(comparison.camera),
         "tile": terrain.grid.tile,
-        "edges": comparison.edges,
+        "edge_rule": comparison.edge_rule,
         "partitioning": comparison.partitioning,
         "device": str(terrain.device.info),
         "trials": {
@@ -229,9 +200,3 @@ def _json(made: Report, difference: Difference | None) -> str:
         "difference": None if difference is None else asdict(difference),
         "verdict": made.verdict,
     }
-    return json.dumps(content, indent=2, allow_nan=False) + "\n"
-
-
-def _finite(value: Any) -> Any:
-    """Return None for an infinite number, which JSON has no name for."""
-    return None if isinstance(value, float) and value == float("inf") else value

@@ -26,7 +26,7 @@ def hull_on_device(
     lod: Lod,
     camera: Camera | None,
     *,
-    edges: str = "min",
+    edge_rule: str = "min",
     cull: bool = True,
     weights: DeviceArray | None = None,
 ) -> DeviceFactors:
@@ -37,7 +37,7 @@ def hull_on_device(
     tiles : DeviceTiles
     lod : Lod
     camera : Camera or None
-    edges : {"min", "max"}, optional
+    edge_rule : {"min", "max"}, optional
         Factor of an edge from the levels of detail on its two sides: ``"min"`` is the book's,
         ``"max"`` never gives an edge less than either side asks for.
     cull : bool, optional
@@ -50,7 +50,7 @@ def hull_on_device(
     DeviceFactors
     """
     device, count, analysis = tiles.device, tiles.grid.count, tiles.analysis
-    rule = EDGE_RULES[one_of("edge rule", edges, EDGE_RULES)]
+    rule = EDGE_RULES[one_of("edge rule", edge_rule, EDGE_RULES)]
     parameters = lod.parameters(tiles.scene)
     formula = formula_defines("LOD", lod.header, parameters, prefix="LOD_")
     kernel = device.kernel("terrain/hull.cl", "hull", EDGE_RULE=rule, **formula)

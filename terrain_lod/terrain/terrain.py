@@ -209,7 +209,7 @@ class Terrain:
         camera: Camera | None = None,
         *,
         lod: AnyLod | None = None,
-        edges: str | None = None,
+        edge_rule: str | None = None,
         partitioning: str = "fractional_odd",
         cull: bool = True,
     ) -> Mesh:
@@ -224,7 +224,7 @@ class Terrain:
             weights on it. Defaults to ``ScreenErrorLod(1.0)`` for a camera; without one to the
             raster in full, ``UniformLod`` of the tile's cells: at an odd `tile` every sample is a
             vertex.
-        edges : {"min", "max", "edge"}, optional
+        edge_rule : {"min", "max", "edge"}, optional
             Factor of a shared edge: the lower of the two tiles' (the default with a formula, and
             the book's), the higher, or by the edge's own error (the default with a promise, and
             for promises alone).
@@ -261,11 +261,11 @@ class Terrain:
                     tiles, camera, horizon=weighted.horizon, silhouette=weighted.silhouette
                 )
             if isinstance(lod, PromiseLod):
-                promise = Promise(tiles, camera, partitioning, edges or "edge", cull, weights)
+                promise = Promise(tiles, camera, partitioning, edge_rule or "edge", cull, weights)
                 kept = promise.keep(lod)
                 return mesh_of(tiles, kept.factors, kept.pattern, timeline, kept.achieved)
             factors = hull_on_device(
-                tiles, lod, camera, edges=edges or "min", cull=cull, weights=weights
+                tiles, lod, camera, edge_rule=edge_rule or "min", cull=cull, weights=weights
             )
             pattern = pattern_on_device(tiles, factors, partitioning)
             return mesh_of(tiles, factors, pattern, timeline)

@@ -8,6 +8,7 @@ from typing import Final
 from ..curved.patch_factors import EDGE_FACTORS, EdgeFactor, UniformFactor
 from ..curved.smooth import NORMALS, SEMI_UNIFORM
 from ..device.layout import PARTITIONINGS
+from ..drawing.picture import SUN_ON_MESHES
 from ..numbered import begin
 from .settings import (
     SHARED,
@@ -26,14 +27,13 @@ _CHOICES: Final = (
     Choice("back_faces", "b", (True, False), "back faces"),
     *SHARED[1:],
 )
-_SUN_FROM: Final = 200.0  # over the shoulder of the first view
 
 
 @dataclass(frozen=True, kw_only=True)
 class BezierSettings(Settings):
     """What a viewer of Bézier patches is set to: one factor for all of them."""
 
-    azimuth: float = _SUN_FROM
+    azimuth: float = SUN_ON_MESHES[0]
 
     def __post_init__(self) -> None:
         if not self.formulas:
@@ -64,7 +64,7 @@ class CurvedSettings(Settings):
         Whether patches that are turned away are drawn.
     """
 
-    azimuth: float = _SUN_FROM
+    azimuth: float = SUN_ON_MESHES[0]
     sharp: str = "normals"
     crease: float = 30.0
     normals: str = "quadratic"

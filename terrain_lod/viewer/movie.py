@@ -7,7 +7,7 @@ from typing import Any, Final
 
 from PIL import Image
 
-from ..drawing.render import Picture
+from ..drawing.picture import Picture
 from ..errors import FileError, InputError, MissingExtraError
 from ..paths import require_folder
 

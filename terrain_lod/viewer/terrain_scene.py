@@ -206,7 +206,7 @@ class TerrainScene(Scene):
         mesh = terrain.mesh(
             request.camera,
             lod=settings.detail(),
-            edges=settings.edge_rule,
+            edge_rule=settings.usable_edge_rule,
             partitioning=settings.partitioning,
         )
         patches, achieved = mesh.patches, mesh.achieved

@@ -36,7 +36,7 @@ class TerrainSettings(Settings):
     horizon, silhouette : float
         Weights of tiles against the sky and of tiles seen edge on; see
         :class:`terrain_lod.Weighted`.
-    edges : str
+    edge_rule : str
         Rule for the factors of shared edges.
     tile : int
         Cells along a tile.
@@ -45,7 +45,7 @@ class TerrainSettings(Settings):
     lod: str = "screen-error"
     horizon: float = 1.0
     silhouette: float = 1.0
-    edges: str = "edge"
+    edge_rule: str = "edge"
     tile: int = _TILE
 
     def __post_init__(self) -> None:
@@ -55,7 +55,7 @@ class TerrainSettings(Settings):
             object.__setattr__(self, "formulas", begun)
 
     def __str__(self) -> str:
-        return f"{super().__str__()}, edges {self.edge_rule}, tiles of {self.tile}"
+        return f"{super().__str__()}, edge rule {self.usable_edge_rule}, tiles of {self.tile}"
 
     @property
     def choices(self) -> tuple[Choice, ...]:
@@ -89,10 +89,10 @@ class TerrainSettings(Settings):
         return self.with_tile(new.tile) if name == "tile" else new
 
     @property
-    def edge_rule(self) -> str:
+    def usable_edge_rule(self) -> str:
         """The edge rule, as far as the level of detail has it."""
         promises = self.tessellated and isinstance(self.formulas[self.lod], PromiseLod)
-        return self.edges if promises or self.edges != "edge" else "min"
+        return self.edge_rule if promises or self.edge_rule != "edge" else "min"
 
     def detail(self) -> AnyLod:
         """Return the level of detail."""

@@ -18,7 +18,7 @@ from time import perf_counter
 from typing import Any, Final
 
 from ..camera.camera import Camera
-from ..drawing.render import Picture, save_png
+from ..drawing.picture import Picture, save_png
 from ..errors import InputError, TerrainError
 from .engine import Engine
 from .model import Model

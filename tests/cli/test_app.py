@@ -122,7 +122,7 @@ def test_lods_and_their_options_reach_the_mesh(ground, capsys):
     assert triangles("--lod", "distance", "--far", "1") < near
     flat = ("--lod", "coplanarity", "--flat-weight", "1", "--near", "1e6", "--far", "2e6")
     assert triangles(*flat) == near
-    coplanarity = ("--lod", "coplanarity", "--edges")
+    coplanarity = ("--lod", "coplanarity", "--edge-rule")
     assert triangles(*coplanarity, "max") > triangles(*coplanarity, "min")
     assert triangles("--pixels", "9") < triangles("--lod", "screen-error")
     assert triangles("--lod", "max-error", "--metres", "9") < triangles(
@@ -296,7 +296,7 @@ def test_bad_ground(ground, capsys, command, name, message):
         (["--near", "100", "--far", "100"], "far > near, got far 100 and near 100"),
         (["--near", "100", "--far", "50"], "far > near, got far 50 and near 100"),
         (["--maximum", "nan"], "maximum"),
-        (["--edges", "mean"], '"mean"'),
+        (["--edge-rule", "mean"], '"mean"'),
         (["--plane", "mean"], '"mean"'),
         (["--device", "abacus"], "unknown device 'abacus'"),
         (["--bogus"], "--bogus"),

@@ -26,7 +26,7 @@ from terrain_lod.cli.app import REFUSED, run
 from terrain_lod.drawing.drape import Drape
 from terrain_lod.drawing.flyover import Look, render_path
 from terrain_lod.drawing.graphics import graphics_problem
-from terrain_lod.drawing.render import render
+from terrain_lod.drawing.picture import draw
 from terrain_lod.errors import FileError
 from terrain_lod.viewer.rig import height_at
 
@@ -88,9 +88,9 @@ def test_cameras_of_a_file_are_met_and_joined(tmp_path):
         ("{", "expected JSON"),
         ("{}", "a list of cameras"),
         ("[]", "a list of cameras"),
-        ('[{"eye": [0, 0, 1]}]', "for camera 0"),
+        ('[{"eye": [0, 0, 1]}]', "in camera 0"),
         ('[{"eye": [0, 0, 1], "target": [0, 0]}]', "x, y, z for target"),
-        ("[7]", "for camera 0"),
+        ("[7]", "in camera 0"),
     ],
 )
 def test_files_without_cameras_are_refused(tmp_path, text, message):
@@ -156,7 +156,7 @@ def test_two_levels_of_detail_stand_side_by_side_with_their_counts(terrain, tmp_
     half = Camera(camera.eye, camera.target, fov=camera.fov, size=(160, 120))
     mesh = terrain.mesh(half, lod=lods[0])
     height_range = terrain.ground.height_range
-    alone = render(mesh, half, style="wireframe", height_range=height_range)
+    alone = draw(mesh, half, style="wireframe", height_range=height_range)
     assert (left == alone).all()
     counted = picture("counted", counts=True)
     changed = (counted != plain).any(axis=-1)
@@ -178,7 +178,7 @@ def test_a_drape_lies_where_its_ground_is():
     x, y, z = ground.centre
     camera = Camera((x, y, z + 600.0), (x, y, z), up=(0, 1, 0), size=(100, 100))
     mesh = Terrain(ground).mesh(lod=UniformLod(5))
-    shown = render(mesh, camera, drape=drape, sun=(0.0, 90.0)).astype(int)
+    shown = draw(mesh, camera, drape=drape, sun=(0.0, 90.0)).astype(int)
     for pixel, channel in (((40, 40), 0), ((40, 60), 1), ((60, 40), 2)):
         colour = shown[pixel]
         assert colour[channel] > 150

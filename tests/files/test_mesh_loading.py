@@ -18,7 +18,7 @@ from support.curved_meshes import torus
 from support.drawn_meshes import grid_mesh
 from terrain_lod.errors import FileError, InputError, MissingExtraError
 from terrain_lod.files.meshes.export import FORMATS, save
-from terrain_lod.files.meshes.loading import load_mesh, vertex_normals
+from terrain_lod.files.meshes.loading import load_mesh
 from terrain_lod.files.meshes.ply import require_whole_ply
 from terrain_lod.ground.heightmap import Heightmap
 from terrain_lod.measure.cracks import crack_report
@@ -279,15 +279,3 @@ def test_mixed_polygons_of_a_binary_ply(tmp_path):
     path = tmp_path / "mixed.ply"
     path.write_bytes(binary_ply([(0, 1, 2), (0, 1, 3, 2)]))
     assert len(load_mesh(path).triangles) == 3
-
-
-# normals
-
-
-def test_normals_are_weighted_by_area():
-    # a vertex between a level face of area 2 and an upright one, facing west, of area 1
-    points = np.array([(0, 0, 0), (2, 0, 0), (0, 2, 0), (0, 0, 1), (9, 9, 9)], np.float64)
-    normals = vertex_normals(points, np.int32([(0, 1, 2), (0, 3, 2)]))
-    expected = np.array([-1, 0, 2]) / np.sqrt(5)
-    np.testing.assert_allclose(normals[0], expected)
-    np.testing.assert_array_equal(normals[4], [0, 0, 1])

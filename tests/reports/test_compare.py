@@ -13,7 +13,7 @@ import pytest
 import terrain_lod as tl
 from support.grounds import holed, rough
 from terrain_lod.cli.app import run
-from terrain_lod.reports.compare.compare import compare_all
+from terrain_lod.reports.compare.compare import compare
 from terrain_lod.reports.compare.peers import PEERS, Peer, uniform_grid
 from terrain_lod.reports.compare.sweep import (
     Contender,
@@ -86,7 +86,7 @@ def test_every_rule_and_every_lod_is_tried() -> None:
         *("MaxErrorLod", "ScreenErrorLod", "BudgetLod", "Weighted"),
     }
     promises = [each for each in tried if each.family == "ScreenErrorLod"]
-    assert {each.edges for each in promises} == {"edge", "min", "max"}
+    assert {each.edge_rule for each in promises} == {"edge", "min", "max"}
     assert {each.family for each in tried} - ours == {peer.name for peer in installed()[0]}
 
 
@@ -151,7 +151,7 @@ def test_report_is_the_same_every_time(tmp_path: Path, monkeypatch: pytest.Monke
     monkeypatch.setattr(f"{COMPARE}.graphics_problem", lambda: "no pictures here")
     steps: list[tuple[int, int]] = []
     first, second = (
-        compare_all(
+        compare(
             GROUND, tmp_path / name, views=2, progress=lambda done, all_: steps.append((done, all_))
         )
         for name in ("first", "second")
@@ -176,7 +176,7 @@ def test_report_is_the_same_every_time(tmp_path: Path, monkeypatch: pytest.Monke
 @pytest.mark.parametrize("views", [0, 1.5, 101])
 def test_wrong_views(tmp_path: Path, views: float) -> None:
     with pytest.raises(tl.InputError, match="views"):
-        compare_all(GROUND, tmp_path, views=views)
+        compare(GROUND, tmp_path, views=views)
 
 
 @pytest.mark.parametrize(

@@ -24,7 +24,7 @@ from terrain_lod.ground.heightmap import Heightmap
 from terrain_lod.mesh.mesh import Mesh
 from terrain_lod.reports.comparison import (
     EQUAL_SHARE,
-    compare,
+    compare_pair,
     device_bytes,
     with_triangles,
 )
@@ -277,7 +277,7 @@ def test_nothing_in_view_is_said(ground, tmp_path):
 )
 def test_odd_ground_is_reported_too(heights, tmp_path):
     ground = Heightmap(heights, spacing=10.0)
-    made = report(ground, tmp_path, camera=small_camera(ground), edges="max")
+    made = report(ground, tmp_path, camera=small_camera(ground), edge_rule="max")
     assert made.files["html"].stat().st_size > 10_000
 
 
@@ -321,7 +321,7 @@ def test_bad_input_writes_nothing(ground, tmp_path):
     with pytest.raises(InputError, match="tile"):
         report(ground, folder, tile=64)
     with pytest.raises(InputError, match="edge rule"):
-        report(ground, folder, edges="mean")
+        report(ground, folder, edge_rule="mean")
     assert not folder.exists()
     folder.write_text("in the way")
     with pytest.raises(FileError, match="cannot make the folder"):
@@ -331,5 +331,5 @@ def test_bad_input_writes_nothing(ground, tmp_path):
 def test_comparison_uses_the_edge_rule(ground):
     terrain, camera = Terrain(ground), small_camera(ground)
     lods = {"distance": DistanceLod(), "lod": CoplanarityLod()}
-    low, high = (compare(terrain, camera, edges=rule, **lods) for rule in ("min", "max"))
+    low, high = (compare_pair(terrain, camera, edge_rule=rule, **lods) for rule in ("min", "max"))
     assert high.other.triangles > low.other.triangles

@@ -39,7 +39,7 @@ def ring():
 
 @pytest.fixture(scope="module")
 def pot():
-    return BezierScene(tl.load_bpt(POT))
+    return BezierScene(tl.curved.load_bpt(POT))
 
 
 def a_request(scene, **settings):
@@ -63,8 +63,8 @@ def a_request(scene, **settings):
         ({"normals": "linear"}, {"factor": 5.0, "normals": "linear"}),
         ({"tessellated": False}, {"factor": 1.0}),
         ({"back_faces": False}, {"factor": 5.0, "back_faces": 0.0}),
-        ({"lod": "length"}, {"lod": tl.LengthFactor(8.0, 1.0, 15.0)}),
-        ({"lod": "silhouette", "cosine": 0.5}, {"lod": tl.SilhouetteFactor(0.5, 1.0, 15.0)}),
+        ({"lod": "length"}, {"lod": tl.curved.LengthFactor(8.0, 1.0, 15.0)}),
+        ({"lod": "silhouette", "cosine": 0.5}, {"lod": tl.curved.SilhouetteFactor(0.5, 1.0, 15.0)}),
     ],
 )
 def test_the_mesh_is_that_of_pn_triangles(settings, options):
@@ -79,7 +79,7 @@ def test_the_mesh_is_that_of_pn_triangles(settings, options):
 
 def test_the_patches_are_those_of_bezier(pot):
     frame = pot.frame(a_request(pot, factor=9.0))
-    mesh = tl.bezier(POT, factor=9.0)
+    mesh = tl.curved.bezier(POT, factor=9.0)
     assert (frame.mesh.vertices == mesh.vertices).all()
     assert len(pot.frame(a_request(pot, tessellated=False)).mesh.triangles) == 2 * len(pot.nets)
 
@@ -129,7 +129,7 @@ def test_a_mesh_whose_y_points_up_is_turned():
     assert ([x, -z, y] == turned.vertices.T).all()
     x, y, z = mesh.normals.T
     assert ([x, -z, y] == turned.normals.T).all()
-    nets = tl.load_bpt(POT)
+    nets = tl.curved.load_bpt(POT)
     assert (BezierScene(nets, y_up=True).nets[..., 2] == nets[..., 1]).all()
 
 
@@ -144,7 +144,7 @@ def test_what_a_pixel_shows_is_what_a_ray_meets(ring):
     pixels = np.random.default_rng(1).uniform((0, 0), np.array(SIZE) - 1, (300, 2)).round()
     shares = (2 * pixels + 1) / SIZE - 1
     rays = forward + shares[:, :1] * across * right + shares[:, 1:] * up * upward
-    hits = tl.Surface(frame.mesh).cast(camera.eye, rays)
+    hits = tl.MeshQueries(frame.mesh).cast(camera.eye, rays)
     found = 0
     for pixel, hit, triangle, position in zip(
         pixels, hits.hit, hits.triangle, hits.position, strict=True

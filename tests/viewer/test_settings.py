@@ -104,9 +104,9 @@ def test_weights_weigh_and_none_do_not():
 
 
 def test_edge_rule_and_tessellation_follow_the_level_of_detail():
-    assert SETTINGS.edge_rule == "edge"
-    assert SETTINGS.changed("lod", "distance").edge_rule == "min"
-    assert SETTINGS.changed("lod", "distance").changed("edges", "max").edge_rule == "max"
+    assert SETTINGS.usable_edge_rule == "edge"
+    assert SETTINGS.changed("lod", "distance").usable_edge_rule == "min"
+    assert SETTINGS.changed("lod", "distance").changed("edge_rule", "max").usable_edge_rule == "max"
     flat = SETTINGS.changed("tessellated", False)
     assert flat.detail() == UniformLod(1.0)
-    assert flat.edge_rule == "min"
+    assert flat.usable_edge_rule == "min"

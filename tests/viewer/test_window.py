@@ -170,7 +170,7 @@ def test_flying_looks_around_and_moves_along_the_view(controls):
 
 @pytest.mark.parametrize(
     ("key", "name"),
-    [("m", "mode"), ("l", "lod"), ("p", "partitioning"), ("e", "edges")],
+    [("m", "mode"), ("l", "lod"), ("p", "partitioning"), ("e", "edge_rule")],
 )
 def test_keys_go_to_the_next_choice_and_its_mesh_is_shown(controls, key, name):
     window = controls.window

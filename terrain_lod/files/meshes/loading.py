@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from ...errors import FileError, InputError
 from ...mesh.mesh import Mesh
+from ...mesh.normals import vertex_normals
 from ...mesh.soundness import require_sound
 from .export import ORIGIN_MARK
 from .formats import is_abaqus, read_with_meshio
@@ -177,36 +178,6 @@ def _textures_of(surface: Any) -> npt.NDArray[np.float32] | None:
     if own is None or own.shape != (surface.n_points, 2) or not np.isfinite(own).all():
         return None
     return np.array(own, np.float32)
-
-
-def vertex_normals(points: Vectors, triangles: npt.NDArray[np.int32]) -> npt.NDArray[np.float64]:
-    """Return the mean normal of the triangles around each vertex, weighted by area.
-
-    Parameters
-    ----------
-    points : (V, 3) array of float
-    triangles : (T, 3) int32
-
-    Returns
-    -------
-    (V, 3) float64
-        Unit length; (0, 0, 1) where no triangle with an area is.
-    """
-    a, b, c = (points[triangles[:, corner]].astype(np.float64) for corner in range(3))
-    # twice the area, along the face's normal
-    weighted = np.cross(b - a, c - a)
-    corners = triangles.ravel()
-    normals = np.stack(
-        [
-            np.bincount(corners, np.repeat(weighted[:, axis], 3), minlength=len(points))
-            for axis in range(3)
-        ],
-        axis=1,
-    )
-    lengths = np.linalg.norm(normals, axis=1)
-    normals[lengths == 0] = 0.0, 0.0, 1.0
-    lengths[lengths == 0] = 1.0
-    return np.asarray(normals / lengths[:, None])
 
 
 def _to_z_up(vectors: Vectors) -> Vectors:

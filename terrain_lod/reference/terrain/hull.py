@@ -92,7 +92,7 @@ def factors(
     eye: Array,
     planes: Array | None,
     *,
-    edges: str = "min",
+    edge_rule: str = "min",
     camera: Camera | None = None,
     formula: Formula | None = None,
 ) -> tuple[Array, Array]:
@@ -114,7 +114,7 @@ def factors(
     other_holes = (around[1:-1, :-2], around[:-2, 1:-1], around[1:-1, 2:], around[2:, 1:-1])
     cells_down = np.diff(grid.corner_rows)[:, None] + 0 * own
     cells_across = np.diff(grid.corner_columns) + 0 * own
-    rule = {"min": np.minimum, "max": np.maximum}[edges]
+    rule = {"min": np.minimum, "max": np.maximum}[edge_rule]
 
     def limited(level: Array, is_holed: npt.NDArray[np.bool_], cells: Array) -> Array:
         return np.where(is_holed, cells, np.clip(level, 1, cells))

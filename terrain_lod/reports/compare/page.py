@@ -3,10 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from html import escape
-from importlib.metadata import version
-from importlib.resources import files
-from string import Template
 from typing import Final
 
 from ..html import (
@@ -17,7 +13,7 @@ from ..html import (
     row_of_figures,
     section,
 )
-from ..page import css_ramp
+from ..template import filled_page
 from .outcome import SweepReport
 from .trials import Result
 
@@ -50,27 +46,20 @@ _COST_HEADS: Final = (
 
 def comparison_page(made: SweepReport) -> str:
     """Return the page's text."""
-    template = Template(files("terrain_lod.reports").joinpath("report.html").read_text("utf-8"))
     ground = made.course.ground
     (rows, columns), (low, high) = ground.shape, ground.height_range
-    number = version("terrain_lod")
-    return template.substitute(
-        version=escape(number),
-        title=escape(f"Speed against error: {ground.name}"),
-        subtitle=escape(
+    return filled_page(
+        title=f"Speed against error: {ground.name}",
+        subtitle=(
             f"{rows:,} × {columns:,} samples, {ground.spacing[0]:g} × {ground.spacing[1]:g} m "
             f"apart, {low:,.0f} to {high:,.0f} m high; {len(made.course.pairs)} views of a low "
             f"flight, {made.course.cameras[0].size[0]} × {made.course.cameras[0].size[1]} pixels; "
             f"on {made.course.device.info}."
         ),
-        verdict="\n".join(map(paragraph, [*made.findings, *made.speeds])),
-        cards="\n".join(_cards(made)),
-        sections="\n".join(_sections(made)),
-        footer=escape(
-            f"Made by terrain_lod {number}. The same numbers: compare.json, compare.csv and, "
-            "for what differs from run to run, times.csv."
-        ),
-        ramp=css_ramp(),
+        verdict=[*made.findings, *made.speeds],
+        cards=_cards(made),
+        sections=_sections(made),
+        numbers="compare.json, compare.csv and, for what differs from run to run, times.csv",
     )
 
 
@@ -219,8 +208,8 @@ def _cost_line(result: Result) -> list[str]:
 
 def _who(result: Result) -> tuple[str, str, str]:
     contender = result.contender
-    label = contender.label.removesuffix(f", {contender.edges}")
-    return label, contender.edges, f"{result.triangles:,}"
+    label = contender.label.removesuffix(f", {contender.edge_rule}")
+    return label, contender.edge_rule, f"{result.triangles:,}"
 
 
 def _milliseconds(seconds: float | None) -> str:

@@ -102,6 +102,6 @@ def _draw(ax: Axes, results: Sequence[Result], pair: Pair) -> None:
 
 def _is_drawn(result: Result, family: str) -> bool:
     contender = result.contender
-    formula = isinstance(contender.lod, Lod)
-    default = "min" if formula else "edge"
-    return contender.family == family and (contender.peer is not None or contender.edges == default)
+    default = "min" if isinstance(contender.lod, Lod) else "edge"
+    is_shown = contender.peer is not None or contender.edge_rule == default
+    return contender.family == family and is_shown

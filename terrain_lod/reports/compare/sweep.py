@@ -45,7 +45,7 @@ class Contender:
     lod : Lod, PromiseLod, Weighted or None
     peer : Peer or None
         One of the two is there.
-    edges, partitioning : str
+    edge_rule, partitioning : str
     tile : int
         Cells; these three say nothing of a peer.
     """
@@ -55,7 +55,7 @@ class Contender:
     unit: str
     lod: AnyLod | None = field(default=None, repr=False)
     peer: Peer | None = field(default=None, repr=False)
-    edges: str = ""
+    edge_rule: str = ""
     partitioning: str = "fractional_odd"
     tile: int = 0
 
@@ -83,7 +83,8 @@ class Contender:
     def label(self) -> str:
         """What people read: ``"MaxErrorLod 5 m, edge"``."""
         unit = "×" if self.unit == "share" else self.unit
-        return f"{self.family} {self.parameter:,g} {unit}" + (self.edges and f", {self.edges}")
+        rule = f", {self.edge_rule}" if self.edge_rule else ""
+        return f"{self.family} {self.parameter:,g} {unit}{rule}"
 
 
 def tolerances(ground: Heightmap) -> tuple[float, ...]:
@@ -109,14 +110,14 @@ def contenders(ground: Heightmap, tile: int) -> list[Contender]:
 def _ours(ground: Heightmap, tile: int) -> Iterator[Contender]:
     for kind in LODS.values():
         name, what = swept_of(kind)
-        for edges in _edge_rules(kind):
+        for edge_rule in _edge_rules(kind):
             for value in _tried(what, ground, tile):
                 lod = kind(**{name: value})
                 unit = what.unit or name
-                yield Contender(kind.__name__, value, unit, lod, edges=edges, tile=tile)
+                yield Contender(kind.__name__, value, unit, lod, edge_rule=edge_rule, tile=tile)
     for weight in _WEIGHTS:
         weighted = Weighted(ScreenErrorLod(1.0), horizon=weight)
-        yield Contender("Weighted", weight, "weight", weighted, edges="edge", tile=tile)
+        yield Contender("Weighted", weight, "weight", weighted, edge_rule="edge", tile=tile)
 
 
 def swept_of(kind: type[Lod | PromiseLod]) -> tuple[str, Number]:
@@ -176,7 +177,7 @@ def tile_sizes(ground: Heightmap) -> list[Contender]:
     """Return the two promises at a middle tolerance, for every tile size."""
     metres = tolerances(ground)[len(tolerances(ground)) // 2]
     return [
-        Contender(type(lod).__name__, value, unit, lod, edges="edge", tile=tile)
+        Contender(type(lod).__name__, value, unit, lod, edge_rule="edge", tile=tile)
         for lod, value, unit in (
             (MaxErrorLod(metres), metres, "m"),
             (ScreenErrorLod(1.0), 1.0, "pixels"),
