@@ -184,14 +184,14 @@ def own_formulas(tokens: Sequence[str]) -> Iterator[None]:
         If there is no such file or class, or it is neither a level of detail nor for edges.
     """
     with ExitStack() as stack:
+        stack.callback(_offer)
         for name in filter(is_own, _named(tokens)):
-            kind = own_class(name, Numbered)
+            kind = own_class(name)
             for table, base in _BASES:
                 if issubclass(kind, base) and name not in table:
                     table[name] = kind
                     stack.callback(table.pop, name)
         _offer()
-        stack.callback(_offer)
         yield
 
 
@@ -218,9 +218,6 @@ def _named(tokens: Sequence[str]) -> Iterator[str]:
 
 def _flag(name: str) -> str:
     return "--" + name.replace("_", "-")
-
-
-# how an option is described: who takes it, what it is, whether it counts whole
 
 
 def _described(options: type[FormulaOptions]) -> dict[str, tuple[type, str]]:
@@ -252,8 +249,7 @@ def _said(what: Number) -> str:
 
 
 def _option(name: str, kind: type, text: str) -> Argument:
-    metavar = "NAME" if kind is str else None
-    told = Parameter(help=text, metavar=metavar) if metavar else Parameter(help=text)
+    told = Parameter(help=text, metavar="NAME" if kind is str else None)
     annotation = Annotated[kind | None, told]  # type: ignore[valid-type]
     return Argument(name, Argument.KEYWORD_ONLY, default=None, annotation=annotation)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib.util
 import sys
 from pathlib import Path
-from typing import Final, TypeVar
+from typing import Final
 
 from ..errors import FileError, InputError
 from ..numbered import Numbered, numbers_of, refuse_names
@@ -22,7 +22,6 @@ _TAKEN: Final = (
     "horizon",
     "silhouette",
 )
-_Kind = TypeVar("_Kind", bound=Numbered)
 
 
 def is_own(name: str) -> bool:
@@ -30,7 +29,7 @@ def is_own(name: str) -> bool:
     return ".py:" in name
 
 
-def own_class(name: str, base: type[_Kind]) -> type[_Kind]:
+def own_class(name: str) -> type[Numbered]:
     """Run the file that `name` says, and return its class.
 
     Raises
@@ -38,7 +37,7 @@ def own_class(name: str, base: type[_Kind]) -> type[_Kind]:
     FileError
         If there is no such file.
     InputError
-        If the file cannot be run, or has no such class of `base`.
+        If the file cannot be run, or has no such class.
     """
     file, _, word = name.rpartition(":")
     path = Path(file)
@@ -57,16 +56,16 @@ def own_class(name: str, base: type[_Kind]) -> type[_Kind]:
         raise InputError(f"cannot run {path}: {type(error).__name__}: {error}") from error
     finally:
         sys.path.remove(str(path.parent))
-    kind = getattr(module, word, None)
-    if not isinstance(kind, type) or not issubclass(kind, base):
-        kinds = [
-            each
-            for each, value in vars(module).items()
-            if isinstance(value, type) and issubclass(value, base) and value.__module__ == spec.name
-        ]
+    kinds = {
+        each: value
+        for each, value in vars(module).items()
+        if isinstance(value, type) and issubclass(value, Numbered)
+    }
+    if word not in kinds:
+        known = ", ".join(each for each in kinds if kinds[each].__module__ == spec.name)
         raise InputError(
-            f"expected a level of detail or a formula for edges in {path}"
-            f"{' (' + ', '.join(kinds) + ')' if kinds else ''}, got {word!r}"
+            f"expected a level of detail or a formula for edges in {path} "
+            f"({known or 'it has none'}), got {word!r}"
         )
-    refuse_names(numbers_of(kind), _TAKEN)
-    return kind
+    refuse_names(numbers_of(kinds[word]), _TAKEN)
+    return kinds[word]

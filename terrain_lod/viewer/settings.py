@@ -70,16 +70,19 @@ class Slider:
     stops: tuple[float, ...] = ()
     logarithmic: bool = False
 
-    def on_scale(self, value: float) -> float:
-        """Return where a value is on the slider."""
+    def on_scale(self, value: float | None) -> float:
+        """Return where a value is on the slider; at its low end, if found from what is seen."""
+        value = self.low if value is None else value
         return math.log10(value) if self.logarithmic else float(value)
 
     def of_scale(self, position: float) -> float:
         """Return the value at a position of the slider."""
         return 10.0**position if self.logarithmic else position
 
-    def said(self, value: float) -> str:
+    def said(self, value: float | None) -> str:
         """Return a value as people read it."""
+        if value is None:
+            return "by itself"
         return f"{value:,.0f}" if abs(value) >= 1000 else f"{value:.3g}"
 
     def nearest(self, value: float) -> float:
@@ -94,15 +97,14 @@ def slider_of(
     name: str, what: Number, diagonal: float, lods: tuple[str, ...] | None = None
 ) -> Slider:
     """Return the slider of a number, shown with those `lods` that have it."""
-    low, high = what.slider(diagonal) or (0.0, 1.0)
+    ends = what.slider(diagonal)
     return Slider(
         name,
         name.replace("_", " "),
-        low,
-        high,
+        *(ends or (0.0, 1.0)),
         only=None if lods is None else ("lod", lods),
         whole=what.step == 1,
-        logarithmic=what.logarithmic,
+        logarithmic=what.logarithmic and ends is not None,
     )
 
 
@@ -200,6 +202,9 @@ class Settings(ABC):
             for name, lods in takers.items()
         )
 
+    def _has_slider(self, name: str) -> bool:
+        return self._holder(name) is None or bool(self._number(name).slider(self.diagonal))
+
     def _number(self, name: str) -> Number:
         holder = self._holder(name)
         assert holder is not None
@@ -226,14 +231,14 @@ class Settings(ABC):
         InputError
             If there is no such setting, or it cannot have that value.
         """
-        known = [choice.name for choice in self.choices] + [number.name for number in self.numbers]
         if self._holder(name) is None:
-            one_of("setting", name, known)
+            known = [choice.name for choice in self.choices]
+            one_of("setting", name, [*known, *(slider.name for slider in self.numbers)])
         for choice in self.choices:
             if choice.name == name and isinstance(choice.values[0], str):
                 one_of(name, value, choice.values)
         for slider in self.numbers:
-            if slider.name == name:
+            if slider.name == name and self._has_slider(name):
                 value = slider.nearest(value)
         if self._holder(name) is not None:
             return self._with_number(name, value)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from inspect import signature
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ import pytest
 import terrain_lod as tl
 from support.own_formulas import SLOPE, write_formulas
 from terrain_lod.cli.app import REFUSED, run
+from terrain_lod.cli.lod_options import LodOptions
 from terrain_lod.drawing.graphics import graphics_problem
 from terrain_lod.terrain.lods import LODS
 
@@ -64,6 +66,7 @@ def test_own_class_in_mesh(capsys) -> None:
     assert made(capsys, "--lod", "in/mine.py:SlopeLod", "--horizon", "3", "--segments", "2") > few
     # it is forgotten afterwards
     assert not [name for name in LODS if ":" in name]
+    assert "segments" not in signature(LodOptions).parameters
 
 
 def test_own_options_stand_in_the_help(capsys, monkeypatch) -> None:

@@ -14,11 +14,12 @@ import terrain_lod as tl
 from support.curved_meshes import cone, cube, torus
 from support.viewer_hands import benchmark, drag, press
 from terrain_lod.cli.app import REFUSED, run
+from terrain_lod.curved.patch_factors import EDGE_FACTORS
 from terrain_lod.drawing.graphics import graphics_problem
 from terrain_lod.errors import InputError
 from terrain_lod.viewer.controls import Controls
 from terrain_lod.viewer.mesh_scene import BezierScene, CurvedScene
-from terrain_lod.viewer.mesh_settings import LODS, MODES
+from terrain_lod.viewer.mesh_settings import MODES
 from terrain_lod.viewer.model import Model
 from terrain_lod.viewer.rig import Rig, triangle_seen
 from terrain_lod.viewer.scene import Request
@@ -84,7 +85,7 @@ def test_the_patches_are_those_of_bezier(pot):
     assert len(pot.frame(a_request(pot, tessellated=False)).mesh.triangles) == 2 * len(pot.nets)
 
 
-@pytest.mark.parametrize("lod", LODS)
+@pytest.mark.parametrize("lod", EDGE_FACTORS)
 @pytest.mark.parametrize("mode", MODES)
 def test_every_mode_paints_every_triangle_of_every_formula(ring, mode, lod):
     frame = ring.frame(a_request(ring, mode=mode, lod=lod))

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from terrain_lod import ScreenErrorLod, UniformLod, Weighted
+from terrain_lod import BudgetLod, ScreenErrorLod, UniformLod, Weighted
 from terrain_lod.errors import InputError
 from terrain_lod.viewer.mesh_settings import BezierSettings, CurvedSettings
 from terrain_lod.viewer.terrain_settings import MODES, TILES, TerrainSettings
@@ -41,7 +41,7 @@ def test_every_control_is_a_setting(settings):
 def test_any_slider_anywhere_gives_a_level_of_detail(settings, value, data):
     for choice in settings.choices:
         settings = settings.changed(choice.name, data.draw(st.sampled_from(choice.values)))
-    slider = data.draw(st.sampled_from(settings.numbers))
+    slider = data.draw(st.sampled_from(settings.sliders))
     if math.isinf(value):
         with pytest.raises(InputError, match="finite"):
             settings.changed(slider.name, value)
@@ -95,6 +95,21 @@ def test_choices_go_round_and_refuse_what_they_do_not_know():
         EVERY[1].changed("mode", "deviation")
     with pytest.raises(InputError, match="unknown setting 'colour': expected one of mode, lod"):
         SETTINGS.changed("colour", "red")
+
+
+def test_numbers_without_a_slider_beside_others_of_their_name():
+    budget = SETTINGS.changed("lod", "budget")
+    assert budget.value("pixels") == 0
+    assert "pixels" not in [slider.name for slider in budget.sliders]
+    for slider in budget.numbers:  # windows have them all, hidden
+        slider.on_scale(budget.value(slider.name))
+    assert budget.changed("pixels", 3).detail() == BudgetLod(100_000, pixels=3)
+    # each level of detail keeps its own
+    assert budget.changed("pixels", 3).changed("lod", "screen-error").detail() == ScreenErrorLod(1)
+    rough = SETTINGS.changed("lod", "coplanarity").changed("full_deviation", 5)
+    assert rough.detail().full_deviation == 5
+    near = SETTINGS.changed("lod", "distance").changed("near", 10)
+    assert near.changed("lod", "coplanarity").detail().near == 10
 
 
 def test_weights_weigh_and_none_do_not():

@@ -19,13 +19,14 @@ from support.grounds import holed, plane, rough
 from terrain_lod import Camera, Heightmap, default_camera
 from terrain_lod.cli.app import REFUSED
 from terrain_lod.errors import FileError, GraphicsError
+from terrain_lod.terrain.lods import LODS
 from terrain_lod.viewer.engine import Engine
 from terrain_lod.viewer.model import Model
 from terrain_lod.viewer.rig import Rig, ground_seen, height_at
 from terrain_lod.viewer.scene import Request
 from terrain_lod.viewer.stage import frustum
 from terrain_lod.viewer.terrain_scene import TerrainScene
-from terrain_lod.viewer.terrain_settings import LODS, MODES
+from terrain_lod.viewer.terrain_settings import MODES
 from terrain_lod.viewer.view import require_display
 
 ORIGIN = (500_000.0, 4_000_000.0)

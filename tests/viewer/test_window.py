@@ -16,10 +16,11 @@ from terrain_lod import default_camera
 from terrain_lod.cli.app import REFUSED, run
 from terrain_lod.drawing.graphics import graphics_problem
 from terrain_lod.errors import FileError, GraphicsError, InputError
+from terrain_lod.terrain.lods import LODS
 from terrain_lod.viewer.controls import Controls
 from terrain_lod.viewer.model import Model
 from terrain_lod.viewer.terrain_scene import TerrainScene
-from terrain_lod.viewer.terrain_settings import LODS, MODES
+from terrain_lod.viewer.terrain_settings import MODES
 from terrain_lod.viewer.view import look
 from terrain_lod.viewer.window import Window
 
