@@ -134,25 +134,25 @@ def report(
         files,
         graphics_problem(),
     )
-    for name, path in write_texts(folder, _texts(made, difference)).items():
-        made.files[Path(name).suffix[1:]] = path
+    made.files.update(write_texts(folder, _texts(made, difference)))
     step.finish()
     return made
 
 
-def _texts(made: Report, difference: Difference | None) -> dict[str, str]:
-    """Return the page and the numbers, by the names of their files."""
+def _texts(made: Report, difference: Difference | None) -> dict[str, tuple[str, str]]:
+    """Return the page and the numbers, each under the name of its file."""
+    text = page(
+        made.comparison,
+        made.rows,
+        made.verdict,
+        made.files,
+        difference,
+        no_pictures=made.no_pictures,
+    )
     return {
-        "report.html": page(
-            made.comparison,
-            made.rows,
-            made.verdict,
-            made.files,
-            difference,
-            no_pictures=made.no_pictures,
-        ),
-        "report.json": json_text(FORMAT, _content(made, difference)),
-        "report.csv": csv_text(_lines(made)),
+        "html": ("report.html", text),
+        "json": ("report.json", json_text(FORMAT, _content(made, difference))),
+        "csv": ("report.csv", csv_text(_lines(made))),
     }
 
 

@@ -37,18 +37,18 @@ class Steps:
         self._progress(self._total, self._total)
 
 
-def write_texts(folder: Path, texts: Mapping[str, str]) -> dict[str, Path]:
-    """Write each text to the file of its name in `folder`; return the paths, by name.
+def write_texts(folder: Path, texts: Mapping[str, tuple[str, str]]) -> dict[str, Path]:
+    """Write files of a name and a text each to `folder`; return the paths, by the same keys.
 
     Raises
     ------
     FileError
         If one cannot be written.
     """
-    for name, text in texts.items():
+    for name, text in texts.values():
         with replacing(folder / name) as temporary:
             temporary.write_text(text, encoding="utf-8", newline="\n")
-    return {name: folder / name for name in texts}
+    return {key: folder / name for key, (name, _) in texts.items()}
 
 
 def csv_text(lines: Iterable[Iterable[object]]) -> str:

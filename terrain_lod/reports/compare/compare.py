@@ -37,12 +37,6 @@ from .verdict import findings, speeds
 # of the JSON file; raised when a key changes its meaning
 FORMAT: Final = 2
 
-_FILES: Final = {
-    "csv": "compare.csv",
-    "times": "times.csv",
-    "json": "compare.json",
-    "html": "compare.html",
-}
 _QUANTITIES: Final = {
     "triangles": "",
     "metres": "m",
@@ -84,6 +78,10 @@ def compare(
     progress : callable, optional
         Called with steps done and steps in all.
 
+    Returns
+    -------
+    SweepReport
+
     Raises
     ------
     InputError, FileError, DeviceMemoryError
@@ -106,9 +104,7 @@ def compare(
         installed()[1],
         {**save_plots(sweep, folder), **_pictures(course, tile, folder)},
     )
-    written = write_texts(folder, _texts(made))
-    for kind, name in _FILES.items():
-        made.files[kind] = written[name]
+    made.files.update(write_texts(folder, _texts(made)))
     step()
     return made
 
@@ -126,13 +122,13 @@ def _pictures(course: Course, tile: int, folder: Path) -> dict[str, Path]:
     return pictures
 
 
-def _texts(made: SweepReport) -> dict[str, str]:
-    """Return the page and the numbers, by the names of their files."""
+def _texts(made: SweepReport) -> dict[str, tuple[str, str]]:
+    """Return the page and the numbers, each under the name of its file."""
     return {
-        "compare.csv": csv_text(_lines(made, _quantities)),
-        "times.csv": csv_text(_lines(made, lambda result: asdict(result.times))),
-        "compare.json": json_text(FORMAT, _content(made)),
-        "compare.html": comparison_page(made),
+        "csv": ("compare.csv", csv_text(_lines(made, _quantities))),
+        "times": ("times.csv", csv_text(_lines(made, lambda result: asdict(result.times)))),
+        "json": ("compare.json", json_text(FORMAT, _content(made))),
+        "html": ("compare.html", comparison_page(made)),
     }
 
 
