@@ -49,7 +49,7 @@ LATE = {
     ("files", "measure"),
 }
 # only there, so that everything else runs without them
-GUARDED = {"pyopencl": {"device"}, "rasterio": {"files.rasters.readers_geo"}}
+GUARDED = {"pyopencl": {"device"}, "rasterio": {"files.rasters.readers_gdal"}}
 # nobody waits for these on import
 HEAVY = ("pyvista", "vtkmodules", "matplotlib", "rasterio", "skimage", "scipy", "rich")
 

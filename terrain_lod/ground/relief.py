@@ -94,6 +94,7 @@ class Relief:
             base=self.base,
             mask=mask,
             crs=ground.crs,
+            units=ground.units,
             name=ground.name,
         )
 

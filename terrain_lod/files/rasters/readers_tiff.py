@@ -1,0 +1,134 @@
+"""GeoTIFF of the plain kinds without GDAL: Pillow's samples, and the tags beside them.
+
+Tags and keys are those of the OGC GeoTIFF Standard 1.1.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from PIL import UnidentifiedImageError
+
+from ...errors import InputError, MissingExtraError
+from ...ground.units import METRE, Unit, unit_called
+from . import mercator
+from .affine import placed
+from .parts import Part
+from .raster import Raster
+from .readers_gdal import EXTRA
+from .readers_image import open_image, raster_of, world_file
+from .wkt import DEGREE, Angle, System
+
+# tags and keys of the standard, and GDAL's own tags
+BITS_PER_SAMPLE, SAMPLE_FORMAT, METADATA = 258, 339, 42112
+PIXEL_SCALE, TIE_POINTS, TRANSFORMATION, KEYS, NODATA = 33550, 33922, 34264, 34735, 42113
+RPC: Final = 50844
+MODEL_TYPE, RASTER_TYPE, GEOGRAPHIC_CRS, PROJECTED_CRS = 1024, 1025, 2048, 3072
+ANGULAR_UNIT, LINEAR_UNIT, VERTICAL_UNIT = 2054, 3076, 4099
+PROJECTED, GEOGRAPHIC, PIXEL_IS_POINT, USER_DEFINED = 1, 2, 2, 32767
+# units by their EPSG codes
+LENGTHS: Final = {9001: "metre", 9002: "foot", 9003: "US survey foot", 9036: "kilometre"}
+ANGLES: Final = {9102: DEGREE, 9122: DEGREE, 9105: Angle("grad", 0.9)}
+UNIT_TYPE: Final = re.compile(r'role="unittype"[^>]*>([^<]*)<')
+
+
+def read_plain_tiff(path: Path, part: Part) -> Raster:
+    """Read a TIFF that Pillow knows."""
+    try:
+        image = open_image(path)
+    except UnidentifiedImageError:
+        with path.open("rb") as file:
+            if file.read(4) not in (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"):
+                raise
+        raise MissingExtraError(
+            f"expected a plain TIFF, got one of another kind, or a part of one, in {path.name}: "
+            f"{EXTRA}"
+        ) from None
+    if part.overview is not None:
+        raise MissingExtraError(f"expected rasterio with overview=, got no such package: {EXTRA}")
+    with image:
+        raster = raster_of(image, path, part.band)
+        tags = dict(getattr(image, "tag_v2", {}))
+    return part.cut(_with_tags(raster, tags, path), path.name)
+
+
+def _with_tags(raster: Raster, tags: dict[int, Any], path: Path) -> Raster:
+    """Return `raster` with what the tags of a GeoTIFF say."""
+    name = path.name
+    # Pillow widens some numbers and takes int8 for uint8
+    if raster.values.dtype.kind != "f":
+        kind = "i" if tags.get(SAMPLE_FORMAT, (1,))[0] == 2 else "u"
+        size = -(-tags.get(BITS_PER_SAMPLE, (8,))[0] // 8)
+        raster = replace(raster, values=raster.values.astype(f"{kind}{size}"))
+    metadata = str(tags.get(METADATA, ""))
+    if 'role="scale"' in metadata or 'role="offset"' in metadata:
+        raise MissingExtraError(f"expected plain numbers, got packed ones in {name}: {EXTRA}")
+    unit = UNIT_TYPE.search(metadata)
+    raster = replace(raster, height_unit=unit[1] if unit else None)
+    if NODATA in tags:
+        raster = replace(raster, nodata=float(tags[NODATA].strip("\0 ")))
+    # entries of four: key, where its value is, count, value
+    entries = np.reshape(tags.get(KEYS, ()), (-1, 4))[1:]
+    keys = {int(key): int(value) for key, where, _, value in entries if where == 0}
+    raster = replace(raster, system=_system(keys, name))
+    if raster.system.horizontal == mercator.CODE:
+        raster = replace(raster, geographic=mercator.geographic)
+    if TRANSFORMATION in tags:
+        a, b, _, x0, d, e, _, y0 = tags[TRANSFORMATION][:8]
+    elif PIXEL_SCALE in tags and len(tags.get(TIE_POINTS, ())) == 6:
+        column, row, _, x, y, _ = tags[TIE_POINTS]
+        a, b, d, e = tags[PIXEL_SCALE][0], 0.0, 0.0, -tags[PIXEL_SCALE][1]
+        x0, y0 = x - column * a, y - row * e
+    elif TIE_POINTS in tags or RPC in tags:
+        what = "ground control points" if TIE_POINTS in tags else "a camera's polynomials (RPC)"
+        raise InputError(
+            f"expected a north-up raster, got {what} in {name}: straighten it with gdalwarp"
+        )
+    else:
+        beside = world_file(path)
+        return raster if beside is None else placed(raster, beside, name)
+    if keys.get(RASTER_TYPE) != PIXEL_IS_POINT:
+        x0, y0 = x0 + (a + b) / 2, y0 + (d + e) / 2
+    return placed(raster, (a, b, x0, d, e, y0), name)
+
+
+def _system(keys: dict[int, int], name: str) -> System:
+    """Return what the keys say, or refuse what takes a database of codes to know."""
+    degrees = keys.get(MODEL_TYPE) == GEOGRAPHIC
+    code = keys.get(GEOGRAPHIC_CRS if degrees else PROJECTED_CRS, USER_DEFINED)
+    crs = f"EPSG:{code}" if code != USER_DEFINED else None
+    height_unit = _length(keys, VERTICAL_UNIT, name)
+    if degrees:
+        angle = ANGLES.get(keys.get(ANGULAR_UNIT, 9102))
+        if angle is None:
+            raise MissingExtraError(
+                f"expected degrees or grads, got another unit in {name}: {EXTRA}"
+            )
+        return System(crs, crs, angle, height_unit=height_unit)
+    unit = _length(keys, LINEAR_UNIT, name)
+    if unit is None and keys.get(MODEL_TYPE) == PROJECTED:
+        if not (crs == mercator.CODE or _is_utm(code)):
+            raise MissingExtraError(
+                f"expected {name} to name its unit, got {crs or 'a CRS of its own'} alone: {EXTRA}"
+            )
+        unit = METRE
+    return System(crs, crs, unit=unit, height_unit=height_unit)
+
+
+def _length(keys: dict[int, int], key: int, name: str) -> Unit | None:
+    code = keys.get(key)
+    if code is None:
+        return None
+    unit = unit_called(LENGTHS.get(code, ""))
+    if unit is None:
+        raise MissingExtraError(f"expected metres or feet, got another unit in {name}: {EXTRA}")
+    return unit
+
+
+def _is_utm(code: int) -> bool:
+    """Return whether a code is a zone of UTM on WGS 84, ETRS89 or NAD83: metres."""
+    return code // 100 in (326, 327, 258, 269)
