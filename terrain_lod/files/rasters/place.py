@@ -177,7 +177,8 @@ def _true_to_scale(raster: Raster, name: str) -> Place:
     spacing = raster.step[0] * east, raster.step[1] * north
     log.info(
         "%s is in %s, a map %.4f x %.4f too large in its middle: made true to scale, "
-        '%.3f x %.3f %s between samples; lengths at its edges are off by %.2g %%; spacing="map" keeps the map\'s',
+        "%.3f x %.3f %s between samples; lengths at its edges are off by %.2g %%; "
+        'spacing="map" keeps the map\'s',
         name, code, 1 / east, 1 / north, *spacing, unit.symbol, 100 * off,
     )  # fmt: skip
     crs = _local(code, (east, north), unit)

@@ -23,10 +23,12 @@ Header = tuple[tuple[int, ...], "np.dtype[Any]"]
 def read_numpy(path: Path, part: Part) -> Raster:
     """Read an array, or of an archive the only 2-D array of numbers or the one named as heights."""
     part.require_one_band(path.name)
-    if zipfile.is_zipfile(path):
+    with path.open("rb") as file:
+        packed = file.read(2) == b"PK"
+    if packed:
         return part.cut(_of_archive(path), path.name)
-    # mapped, so a part of an array is read alone
-    values = np.load(path, mmap_mode="r", allow_pickle=False)
+    # mapped, so a part of an array is read alone, and one that the file cannot hold is none
+    values = np.lib.format.open_memmap(path, mode="r")
     raster = part.cut(Raster(values), path.name)
     if raster.values.ndim == 2:
         rows, columns = raster.values.shape

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import math
 import zipfile
 from collections.abc import Callable
@@ -36,12 +35,7 @@ def has_rasterio() -> bool:
         import rasterio  # noqa: F401
     except ImportError:
         return False
-    # GDAL's words reach those who listen to its logger, and not stderr by default
-    logging.getLogger("rasterio").addHandler(_SILENT)
     return True
-
-
-_SILENT: Final = logging.NullHandler()
 
 
 def read_gdal(path: Path, part: Part) -> Raster:
@@ -76,7 +70,7 @@ def place_of_image(path: Path, raster: Raster) -> Raster:
             affine = _affine(file)
             if affine is None:
                 return raster
-            return _in_system(placed(raster, affine, path.name), file, path.name)
+            return _in_system(placed(raster, affine, path.name), file)
     except RasterioError:
         return raster
 
@@ -100,6 +94,7 @@ def _source(path: Path) -> str:
 
 
 def _read(source: str, name: str, part: Part) -> Raster:
+    """Read the one raster of heights in what GDAL calls `source`."""
     import rasterio
 
     with rasterio.open(source) as file:
@@ -132,6 +127,7 @@ def _of_several(file: Any, name: str) -> str | None:
 
 
 def _from_dataset(file: Any, name: str, part: Part, ways: str) -> Raster:
+    refused = _refusal_of_crs(file)
     affine = _affine(file)
     if file.gcps[0] or (affine is None and file.rpcs):
         what = "ground control points" if file.gcps[0] else "a camera's polynomials (RPC)"
@@ -162,7 +158,11 @@ def _from_dataset(file: Any, name: str, part: Part, ways: str) -> Raster:
             offset=float(file.offsets[band]),
             height_unit=file.units[band] or None,
         )
-    raster = _in_system(raster, file, name)
+    if refused is None:
+        raster = _in_system(raster, file)
+    else:
+        note = f"{name} has a CRS that PROJ refuses ({refused}): loaded without it, in metres"
+        raster = replace(raster, notes=(note,))
     if affine is None:
         return raster
     a, b, x0, d, e, y0 = affine
@@ -225,20 +225,27 @@ def _mask(file: Any, band: int, window: Any) -> npt.NDArray[np.bool_] | None:
     return hole
 
 
-def _in_system(raster: Raster, file: Any, name: str) -> Raster:
-    """Return `raster` with what its file says of its coordinate reference system."""
+def _refusal_of_crs(file: Any) -> str | None:
+    """Return why PROJ refuses the CRS of a dataset, None if it does not."""
     from rasterio._err import CPLE_BaseError
-    from rasterio.errors import RasterioError
+    from rasterio.errors import CRSError
 
     try:
-        if not file.crs:
-            return raster
-        text = file.crs.to_wkt()
-        authority = file.crs.to_authority()
-    except (RasterioError, CPLE_BaseError) as error:
-        reason = " ".join(str(error).split())[:160]
-        note = f"{name} has a CRS that PROJ refuses ({reason}): loaded without it, in metres"
-        return replace(raster, system=System(), notes=(*raster.notes, note))
+        if file.crs:
+            file.crs.to_wkt()
+        # what GDAL could not say then, rasterio raises where it asks next, once
+        tuple(file.colorinterp)
+    except (CRSError, CPLE_BaseError) as error:
+        return " ".join(str(error).split())[:160]
+    return None
+
+
+def _in_system(raster: Raster, file: Any) -> Raster:
+    """Return `raster` with what its file says of its coordinate reference system."""
+    if not file.crs:
+        return raster
+    text = file.crs.to_wkt()
+    authority = file.crs.to_authority()
     system = system_of(text, ":".join(authority) if authority else text)
     return replace(raster, system=system, geographic=_geographic(file.crs, text, system))
 
