@@ -120,18 +120,18 @@ def _picture(
             edges=look.edges,
         )
         if look.counts:
-            shown = _labelled(shown, _label(mesh, lod))
+            shown = _labelled(shown, _label(mesh, lod, terrain.ground.unit_symbols[1]))
         left = number * (part + _GAP)
         picture[:, left : left + shown.shape[1]] = shown
     return picture
 
 
-def _label(mesh: Mesh, lod: Lod | PromiseLod) -> str:
+def _label(mesh: Mesh, lod: Lod | PromiseLod, unit: str) -> str:
     name = type(lod).__name__.removesuffix("Lod")
     if mesh.achieved is None:
         return f"{name}: {len(mesh.triangles):,} triangles"
     pixels = mesh.achieved.pixels
-    error = f"{mesh.achieved.metres:.3g} m" if pixels is None else f"{pixels:.2f} pixels"
+    error = f"{mesh.achieved.metres:.3g} {unit}" if pixels is None else f"{pixels:.2f} pixels"
     return f"{name}: {len(mesh.triangles):,} triangles, error {error}"
 
 

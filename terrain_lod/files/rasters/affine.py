@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 
 from ...errors import InputError
+from .parts import Bounds, Part
 from .raster import Raster
 
 # (a, b, x0, d, e, y0): a sample stands at x = x0 + a column + b row, y = y0 + d column + e row
@@ -25,6 +26,29 @@ def require_upright(affine: Affine, shape: tuple[int, int], name: str) -> None:
             f"expected a north-up raster, got a rotated or mirrored one in {name}: "
             "straighten it with gdalwarp"
         )
+
+
+def first_and_steps(affine: Affine | None) -> Bounds | None:
+    """Return x and y of the first sample of an upright raster, and the steps from it."""
+    return None if affine is None else (affine[2], affine[5], affine[0], affine[4])
+
+
+def moved(affine: Affine, rows: slice, columns: slice) -> Affine:
+    """Return the affine of a part, whose first sample is another."""
+    a, b, x0, d, e, y0 = affine
+    row, column = rows.start, columns.start
+    return a, b, x0 + a * column + b * row, d, e, y0 + d * column + e * row
+
+
+def part_of(raster: Raster, affine: Affine | None, part: Part, name: str) -> Raster:
+    """Return a part of a raster that is in memory, in its place; counted as in the file."""
+    if affine is None:
+        return part.cut(raster, name)
+    require_upright(affine, raster.values.shape, name)
+    rows, columns = part.slices(raster.values.shape, first_and_steps(affine), name)
+    mask = None if raster.mask is None else raster.mask[rows, columns]
+    raster = replace(raster, values=raster.values[rows, columns], mask=mask)
+    return placed(raster, moved(affine, rows, columns), name)
 
 
 def placed(raster: Raster, affine: Affine, name: str) -> Raster:

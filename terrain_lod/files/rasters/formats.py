@@ -9,7 +9,7 @@ from typing import Final
 
 from ...errors import FileError, InputError, MissingExtraError
 from . import readers_gdal
-from .affine import placed
+from .affine import part_of
 from .parts import Part
 from .raster import Raster
 from .readers_array import read_numpy
@@ -27,12 +27,10 @@ def read_image(path: Path, part: Part) -> Raster:
         if gdal and is_deep(image) and len(image.getbands()) > 1:
             return read_gdal(path, part)
         raster = raster_of(image, path, part.band)
+    affine = world_file(path)
     if gdal:
-        raster = readers_gdal.place_of_image(path, raster)
-    else:
-        beside = world_file(path)
-        raster = raster if beside is None else placed(raster, beside, path.name)
-    return part.cut(raster, path.name)
+        raster, affine = readers_gdal.place_of_image(path, raster)
+    return part_of(raster, affine, part, path.name)
 
 
 def read_tiff(path: Path, part: Part) -> Raster:

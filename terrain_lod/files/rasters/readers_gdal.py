@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from ...errors import FileError, InputError, MissingExtraError
 from . import mercator
-from .affine import Affine, placed, require_upright
+from .affine import Affine, first_and_steps, moved, placed, require_upright
 from .limits import require_memory
 from .parts import Part
 from .raster import Raster
@@ -60,19 +60,17 @@ def read_gdal(path: Path, part: Part) -> Raster:
         ) from error
 
 
-def place_of_image(path: Path, raster: Raster) -> Raster:
-    """Return `raster` where the files beside an image say it is, if they do."""
+def place_of_image(path: Path, raster: Raster) -> tuple[Raster, Affine | None]:
+    """Return `raster` in the CRS that files beside an image name, and where they say it is."""
     import rasterio
     from rasterio.errors import RasterioError
 
     try:
         with rasterio.Env(), rasterio.open(path) as file:
             affine = _affine(file)
-            if affine is None:
-                return raster
-            return _in_system(placed(raster, affine, path.name), file)
+            return (raster if affine is None else _in_system(raster, file)), affine
     except RasterioError:
-        return raster
+        return raster, None
 
 
 def _source(path: Path) -> str:
@@ -136,8 +134,7 @@ def _from_dataset(file: Any, name: str, part: Part, ways: str) -> Raster:
         )
     if affine is not None:
         require_upright(affine, file.shape, name)
-    place = None if affine is None else (affine[2], affine[5], affine[0], affine[4])
-    rows, columns = part.slices(file.shape, place, name)
+    rows, columns = part.slices(file.shape, first_and_steps(affine), name)
     window = (rows.start, rows.stop), (columns.start, columns.stop)
     bands = _bands(file, name, part)
     extent = rows.stop - rows.start, columns.stop - columns.start
@@ -163,11 +160,7 @@ def _from_dataset(file: Any, name: str, part: Part, ways: str) -> Raster:
     else:
         note = f"{name} has a CRS that PROJ refuses ({refused}): loaded without it, in metres"
         raster = replace(raster, notes=(note,))
-    if affine is None:
-        return raster
-    a, b, x0, d, e, y0 = affine
-    x0, y0 = x0 + a * columns.start + b * rows.start, y0 + d * columns.start + e * rows.start
-    return placed(raster, (a, b, x0, d, e, y0), name)
+    return raster if affine is None else placed(raster, moved(affine, rows, columns), name)
 
 
 def _affine(file: Any) -> Affine | None:
