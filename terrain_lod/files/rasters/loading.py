@@ -209,8 +209,11 @@ def _ground_of(
             )
         heights = _scaled(raster, factor)
     units = place.unit.name, place.unit.name
+    # a vertical CRS does not hold of heights that were brought to another unit
+    compound = raster.system.height_unit not in (None, place.unit)
+    crs = raster.system.horizontal if compound and place.crs == raster.system.crs else place.crs
     ground = Heightmap(
-        heights, spacing=place.spacing, origin=place.origin, mask=hole, crs=place.crs,
+        heights, spacing=place.spacing, origin=place.origin, mask=hole, crs=crs,
         units=units, name=name,
     )  # fmt: skip
     return ground, notes

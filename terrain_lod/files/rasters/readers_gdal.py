@@ -17,6 +17,7 @@ from . import mercator
 from .affine import Affine, first_and_steps, moved, placed, require_upright
 from .limits import require_memory
 from .parts import Part
+from .quiet import quiet_rasterio
 from .raster import Raster
 from .readers_array import HEIGHT_NAMES
 from .readers_image import terrain_rgb
@@ -50,7 +51,7 @@ def read_gdal(path: Path, part: Part) -> Raster:
     if path.suffix.lower() in RAW and not (header.is_file() or path.with_suffix(".HDR").is_file()):
         raise FileError(f"expected {header.name} beside {path.name}, whose header it is, got none")
     try:
-        with rasterio.Env():
+        with quiet_rasterio(), rasterio.Env():
             return _read(_source(path), path.name, part)
     except (RasterioError, CPLE_BaseError) as error:
         reason = str(error.__cause__ or error)
@@ -66,7 +67,7 @@ def place_of_image(path: Path, raster: Raster) -> tuple[Raster, Affine | None]:
     from rasterio.errors import RasterioError
 
     try:
-        with rasterio.Env(), rasterio.open(path) as file:
+        with quiet_rasterio(), rasterio.Env(), rasterio.open(path) as file:
             affine = _affine(file)
             return (raster if affine is None else _in_system(raster, file)), affine
     except RasterioError:

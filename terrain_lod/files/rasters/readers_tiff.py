@@ -18,6 +18,7 @@ from ...ground.units import METRE, Unit, unit_called
 from . import mercator
 from .affine import Affine, part_of
 from .parts import Part
+from .quiet import quiet_libtiff
 from .raster import Raster
 from .readers_gdal import EXTRA
 from .readers_image import open_image, raster_of, world_file
@@ -61,7 +62,8 @@ def read_plain_tiff(path: Path, part: Part) -> Raster:
         _require_no_mask(image, path)
         tags = dict(getattr(image, "tag_v2", {}))
         try:
-            raster = raster_of(image, path, part.band)
+            with quiet_libtiff():
+                raster = raster_of(image, path, part.band)
         except TerrainError:
             raise
         except (ValueError, KeyError, NotImplementedError) as error:
