@@ -77,8 +77,8 @@ class Part:
             low, high = sorted((y, y + dy * (rows - 1)))
             raise InputError(
                 f"expected bounds with at least 2 x 2 samples of {name}, which reaches from "
-                f"({left:g}, {low:g}) to ({right:g}, {high:g}), got ({west:g}, {south:g}) to "
-                f"({east:g}, {north:g})"
+                f"({left:.10g}, {low:.10g}) to ({right:.10g}, {high:.10g}), got "
+                f"({west:.10g}, {south:.10g}) to ({east:.10g}, {north:.10g})"
             )
         return down, across
 
@@ -131,7 +131,8 @@ def _window(window: Any) -> Window:
     """Return column, row, width and height of a window in any of the forms that rasterio takes."""
     if hasattr(window, "flatten"):
         window = window.flatten()
-    numbers = tuple(window) if isinstance(window, Iterable) else ()
+    known = isinstance(window, Iterable) and not isinstance(window, str)
+    numbers = tuple(window) if known else ()
     if len(numbers) == 2 and all(isinstance(pair, tuple | list) for pair in numbers):
         (row, row_stop), (column, column_stop) = numbers
         numbers = column, row, column_stop - column, row_stop - row

@@ -28,7 +28,11 @@ def read_numpy(path: Path, part: Part) -> Raster:
     if packed:
         return part.cut(_of_archive(path), path.name)
     # mapped, so a part of an array is read alone, and one that the file cannot hold is none
-    values = np.lib.format.open_memmap(path, mode="r")
+    try:
+        values = np.lib.format.open_memmap(path, mode="r")
+    except MemoryError:
+        # a map takes none: the words of the header were too many for Python's parser
+        raise FileError(f"expected a NumPy array in {path.name}, got a damaged header") from None
     raster = part.cut(Raster(values), path.name)
     if raster.values.ndim == 2:
         rows, columns = raster.values.shape
