@@ -53,7 +53,7 @@ LATE = {
 # a value that offers its writer, which has to know it: but for these, imports run one way
 WRITERS = {("mesh.mesh", "files.meshes.export")}
 # only there, so that everything else runs without them
-GUARDED = {"pyopencl": {"device"}, "rasterio": {"files.rasters.readers_geo"}}
+GUARDED = {"pyopencl": {"device"}, "rasterio": {"files.rasters.readers_gdal"}}
 # nobody waits for these on import
 HEAVY = ("pyvista", "vtkmodules", "matplotlib", "rasterio", "skimage", "scipy", "rich")
 

@@ -18,6 +18,7 @@ from cyclopts.config import Env
 
 from ..arguments import one_of
 from ..errors import TerrainError
+from ..ground.heightmap import Heightmap
 from ..paths import require_folder
 from .flyover import PathOptions
 from .lod_options import LodOptions, own_formulas
@@ -147,7 +148,7 @@ def render(
     mesh = terrain.make(heights, added).mesh(camera, lod=chosen, **vars(meshing))
     log("%r from %r", mesh, chosen)
     save_png(draw(mesh, camera, height_range=heights.height_range, **options), output)
-    say(f"{output}: {_counts(mesh)}")
+    say(f"{output}: {_counts(mesh, heights)}")
     return None
 
 
@@ -188,7 +189,7 @@ def mesh(
     made = terrain.make(heights, added).mesh(camera, lod=chosen, cull=cull, **vars(meshing))
     log("%r from %r", made, chosen)
     made.save(output)
-    say(f"{output}: {_counts(made)}")
+    say(f"{output}: {_counts(made, heights)}")
     shown = heights if added is None else heights.with_detail(added)
     say(f"vertical error: {vertical_error(made, shown, device=terrain.open())}")
     say(str(crack_report(made)))
@@ -205,7 +206,8 @@ def samples() -> None:
         low, high = ground.height_range
         size = " × ".join(f"{extent:,}" for extent in ground.shape)
         spacing = " × ".join(f"{step:.4g}" for step in dict.fromkeys(ground.spacing))
-        rows.append((name, size, f"{spacing} m", f"{low:,.0f} to {high:,.0f} m"))
+        across, up = ground.unit_symbols
+        rows.append((name, size, f"{spacing} {across}", f"{low:,.0f} to {high:,.0f} {up}"))
     say_table(("name", "samples", "spacing", "heights"), rows)
 
 
@@ -223,21 +225,21 @@ app.command(smooth, sort_key=8)
 app.command(pattern, sort_key=9)
 
 
-def _counts(mesh: Any) -> str:
+def _counts(mesh: Any, ground: Heightmap) -> str:
     patches = mesh.patches
-    kept = f", {_achieved(mesh.achieved)}" if mesh.achieved else ""
+    kept = f", {_achieved(mesh.achieved, ground.unit_symbols[1])}" if mesh.achieved else ""
     return (
         f"{len(mesh.triangles):,} triangles, {len(mesh.vertices):,} vertices, "
         f"{patches.culled_count:,} of {patches.count:,} patches left out{kept}"
     )
 
 
-def _achieved(achieved: Any) -> str:
+def _achieved(achieved: Any, unit: str) -> str:
     """Say what a promise came to, and whether that is what was asked for."""
     seen = achieved.pixels is not None and isfinite(achieved.pixels)
     pixels = f"{achieved.pixels:.3g} pixels, " if seen else ""
     missed = "" if achieved.kept else ": the best that this raster and tile can show"
-    return f"within {pixels}{achieved.metres:.3g} m{missed}"
+    return f"within {pixels}{achieved.metres:.3g} {unit}{missed}"
 
 
 @app.meta.default

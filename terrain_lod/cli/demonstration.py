@@ -95,7 +95,8 @@ def make_demo(
     path = mesh.save(folder / f"{ground.name}.glb")
     sound = "cracks in it" if crack_report(mesh) else "watertight"
     error = vertical_error(mesh, ground, device=device)
-    rows = [_row(path, f"mesh: {len(mesh.triangles):,} triangles, {sound}, RMS {error.rms:.3g} m")]
+    rms = f"RMS {error.rms:.3g} {ground.unit_symbols[1]}"
+    rows = [_row(path, f"mesh: {len(mesh.triangles):,} triangles, {sound}, {rms}")]
     problem = graphics_problem()
     if problem is None:
         path = folder / f"{ground.name}.png"

@@ -20,11 +20,13 @@ if TYPE_CHECKING:
     from ..terrain.terrain import Terrain
 
 
-def numbers(form: str, *counts: int) -> Parameter:
-    """Return how one token such as ``500000,4000000,1200`` or ``1920x1080`` is read."""
+def numbers(form: str, *counts: int, word: str | None = None) -> Parameter:
+    """Return how one token such as ``500000,4000000,1200`` or ``1920x1080`` is read, or a word."""
 
-    def convert(_: Any, tokens: Sequence[Token]) -> tuple[float, ...]:
+    def convert(_: Any, tokens: Sequence[Token]) -> tuple[float, ...] | str:
         text = tokens[0].value
+        if word is not None and text == word:
+            return text
         try:
             values = tuple(float(part) for part in text.replace("x", ",").split(","))
         except ValueError:
@@ -39,6 +41,11 @@ def numbers(form: str, *counts: int) -> Parameter:
 _Point = Annotated[Point | None, numbers("X,Y,Z", 3)]
 _Size = Annotated[tuple[int, int] | None, numbers("WIDTHxHEIGHT", 2)]
 _Spacing = Annotated[tuple[float, ...] | None, numbers("DX[,DY]", 1, 2)]
+_Bounds = Annotated[tuple[float, float, float, float] | None, numbers("WEST,SOUTH,EAST,NORTH", 4)]
+_Window = Annotated[tuple[float, float, float, float] | None, numbers("COLUMN,ROW,WIDTH,HEIGHT", 4)]
+_GroundSpacing = Annotated[
+    tuple[float, ...] | Literal["map"] | None, numbers("DX[,DY]|map", 1, 2, word="map")
+]
 _Range = Annotated[tuple[float, float] | None, numbers("LOW,HIGH", 2)]
 Sun = Annotated[tuple[float, float] | None, numbers("AZIMUTH,ELEVATION", 2)]
 
@@ -57,12 +64,25 @@ _WORK: Final = Group("Tiles and device", sort_key=4)
 class GroundOptions:
     """How to read the ground."""
 
-    spacing: _Spacing = None
-    """Distance between samples in world units, instead of what the file says."""
+    spacing: _GroundSpacing = None
+    """Distance between samples in world units, instead of what the file says; map takes the
+    file's numbers, however much its map is stretched."""
     height_range: _Range = None
     """Heights that the lowest and the highest value of an image stand for."""
     nodata: float | None = None
     """Value that stands for no data, instead of what the file says."""
+    bounds: _Bounds = None
+    """Read only the samples within these, in the file's own CRS."""
+    window: _Window = None
+    """Read only these samples of the file."""
+    overview: int | None = None
+    """Read a smaller version that the file holds; 0 is the largest of them."""
+    band: int | None = None
+    """Which band holds the heights, from 1."""
+    z_unit: str | None = None
+    """Unit of the file's heights, such as foot, instead of what the file says."""
+    z_scale: float | None = None
+    """A number of the file times this is a height, in z-unit or else in the unit of x and y."""
 
     def load(self, name: str) -> Heightmap:
         """Return the ground called `name`: a file if there is one, else a bundled sample."""

@@ -146,7 +146,7 @@ def _scene(
     from ..device.device import Device
     from ..files.meshes.bpt import load_bpt
     from ..files.meshes.loading import load_mesh
-    from ..files.rasters.loading import FORMATS
+    from ..files.rasters.formats import FORMATS
     from ..viewer.mesh_scene import BezierScene, CurvedScene
     from ..viewer.terrain_scene import TerrainScene
 

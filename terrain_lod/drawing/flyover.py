@@ -124,18 +124,18 @@ def _picture(
             wireframe=look.wireframe,
         )
         if look.counts:
-            shown = _labelled(shown, _label(mesh, lod))
+            shown = _labelled(shown, _label(mesh, lod, terrain.ground.unit_symbols[1]))
         left = number * (part + _GAP)
         picture[:, left : left + shown.shape[1]] = shown
     return picture
 
 
-def _label(mesh: Mesh, lod: AnyLod) -> str:
+def _label(mesh: Mesh, lod: AnyLod, unit: str) -> str:
     name = type(unweighted(lod)).__name__.removesuffix("Lod")
     if mesh.achieved is None:
         return f"{name}: {len(mesh.triangles):,} triangles"
     pixels = mesh.achieved.pixels
-    error = f"{mesh.achieved.metres:.3g} m" if pixels is None else f"{pixels:.2f} pixels"
+    error = f"{mesh.achieved.metres:.3g} {unit}" if pixels is None else f"{pixels:.2f} pixels"
     return f"{name}: {len(mesh.triangles):,} triangles, error {error}"
 
 

@@ -84,8 +84,9 @@ class _Sheet:
     @classmethod
     def over(cls, ground: Heightmap) -> _Sheet:
         rows, columns = (np.arange(0, count, -(-count // _LARGEST)) for count in ground.shape)
-        kilometres = max(ground.extent) >= 5000
-        return cls(ground, rows, columns, *(("km", 1e3) if kilometres else ("m", 1.0)))
+        unit = ground.unit_symbols[0]
+        kilometres = unit == "m" and max(ground.extent) >= 5000
+        return cls(ground, rows, columns, *(("km", 1e3) if kilometres else (unit, 1.0)))
 
     @property
     def figure_size(self) -> tuple[float, float]:
@@ -117,7 +118,7 @@ def _draw_maps(figure: Figure, sheet: _Sheet, comparison: Comparison) -> None:
 
     deviation = sheet.of_tiles(analysis.deviation, grid)
     title = f"Deviation from its plane, tiles of {grid.tile} cells"
-    _draw(axes[0, 1], sheet, deviation, title, "m", vmin=0)
+    _draw(axes[0, 1], sheet, deviation, title, sheet.ground.unit_symbols[1], vmin=0)
 
     low, high = factor_range(comparison)
     look = {"cmap": lod_colour_map(), "vmin": low, "vmax": high}
@@ -132,7 +133,8 @@ def _draw_maps(figure: Figure, sheet: _Sheet, comparison: Comparison) -> None:
     worst = float(np.percentile(known, 99)) if len(known) else 0.0
     look = {"cmap": "magma_r", "vmin": 0, "vmax": worst or 1.0}
     for ax, trial, error in zip(axes[2], pair, errors, strict=True):
-        _draw(ax, sheet, error, _title(trial, "vertical error"), "m", extend="max", **look)
+        unit = sheet.ground.unit_symbols[1]
+        _draw(ax, sheet, error, _title(trial, "vertical error"), unit, extend="max", **look)
     figure.supxlabel(f"{sheet.unit} east of the north-western corner", fontsize=9)
     figure.supylabel(f"{sheet.unit} north of it", fontsize=9)
 

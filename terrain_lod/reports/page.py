@@ -75,10 +75,12 @@ def page(
 def _subtitle(comparison: Comparison) -> str:
     ground = comparison.terrain.ground
     (rows, columns), (low, high) = ground.shape, ground.height_range
-    width, depth = (extent / 1000 for extent in ground.extent)
+    across, up = ground.unit_symbols
+    large, scale = ("km", 1000) if across == "m" else (across, 1)
+    width, depth = (extent / scale for extent in ground.extent)
     return (
-        f"{rows:,} × {columns:,} samples, {ground.spacing[0]:g} × {ground.spacing[1]:g} m apart, "
-        f"{width:.4g} × {depth:.4g} km, {low:,.0f} to {high:,.0f} m high. "
+        f"{rows:,} × {columns:,} samples, {ground.spacing[0]:g} × {ground.spacing[1]:g} {across} "
+        f"apart, {width:.4g} × {depth:.4g} {large}, {low:,.0f} to {high:,.0f} {up} high. "
         f"Naive distance LOD against {comparison.other.name} LOD, from the same camera."
     )
 
@@ -196,7 +198,8 @@ def _times(comparison: Comparison, rows: Sequence[Row]) -> str:
 def _settings(comparison: Comparison) -> str:
     terrain, camera = comparison.terrain, comparison.camera
     tiles = " × ".join(map(str, terrain.grid.shape))
-    view = f"{camera.fov:g}°" if camera.height is None else f"{camera.height:g} m, parallel,"
+    unit = terrain.ground.unit_symbols[0]
+    view = f"{camera.fov:g}°" if camera.height is None else f"{camera.height:g} {unit}, parallel,"
 
     def point(values: Sequence[float]) -> str:
         return ", ".join(f"{value:.6g}" if abs(value) < 1e5 else f"{value:.1f}" for value in values)

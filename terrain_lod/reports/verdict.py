@@ -35,10 +35,11 @@ def _at_defaults(comparison: Comparison) -> str:
     else:
         share = f"{abs(saved):.1%} {'fewer' if saved > 0 else 'more'}"
         draws = f"{ours.title} draws {share} triangles than distance LOD ({counts})"
+    unit = comparison.terrain.ground.unit_symbols[1]
     return (
-        f"{draws}; its RMS vertical error is {ours.error.rms:.4g} m against "
-        f"{theirs.error.rms:.4g} m, its largest {ours.error.maximum:.4g} m against "
-        f"{theirs.error.maximum:.4g} m."
+        f"{draws}; its RMS vertical error is {ours.error.rms:.4g} {unit} against "
+        f"{theirs.error.rms:.4g} {unit}, its largest {ours.error.maximum:.4g} {unit} against "
+        f"{theirs.error.maximum:.4g} {unit}."
     )
 
 
@@ -50,7 +51,8 @@ def _at_equal_triangles(comparison: Comparison) -> str:
             f"nearest to {ours.triangles:,}, so errors are not compared at equal counts."
         )
     opening = f"With as many triangles ({theirs.triangles:,} and {ours.triangles:,}),"
-    numbers = f"{ours.error.rms:.4g} m RMS against {theirs.error.rms:.4g} m"
+    unit = comparison.terrain.ground.unit_symbols[1]
+    numbers = f"{ours.error.rms:.4g} {unit} RMS against {theirs.error.rms:.4g} {unit}"
     if ours.error.rms == theirs.error.rms:
         return f"{opening} both are equally far from the ground: {numbers}."
     if ours.error.rms < theirs.error.rms:

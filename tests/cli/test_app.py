@@ -20,6 +20,9 @@ from terrain_lod.device.device import Device
 from terrain_lod.drawing.graphics import INSTALL_COMMAND, graphics_problem
 from terrain_lod.files.meshes.export import FORMATS
 
+# the arrays here do not say their spacing, which is then 1
+pytestmark = pytest.mark.filterwarnings("ignore:.*how far apart its samples are")
+
 needs_graphics = pytest.mark.skipif(
     graphics_problem() is not None, reason=f"no 3-D pictures tested: {graphics_problem()}"
 )

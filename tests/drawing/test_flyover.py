@@ -30,6 +30,9 @@ from terrain_lod.drawing.picture import draw
 from terrain_lod.errors import FileError
 from terrain_lod.viewer.rig import height_at
 
+# the arrays here do not say their spacing, which is then 1
+pytestmark = pytest.mark.filterwarnings("ignore:.*how far apart its samples are")
+
 needs_graphics = pytest.mark.skipif(
     graphics_problem() is not None, reason=f"no 3-D pictures tested: {graphics_problem()}"
 )

@@ -24,6 +24,9 @@ from terrain_lod.reports.compare.sweep import (
 from terrain_lod.reports.compare.trials import Course, Result
 from terrain_lod.reports.compare.verdict import findings
 
+# the arrays here do not say their spacing, which is then 1
+pytestmark = pytest.mark.filterwarnings("ignore:.*how far apart its samples are")
+
 COMPARE = "terrain_lod.reports.compare.compare"
 GROUND = rough(60, 50, spacing=(30.0, 20.0), origin=(500_000, 4_000_000))
 MIDDLE = {"m": 20.0, "samples": 4.0, "share": 0.3}

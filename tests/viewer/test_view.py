@@ -29,6 +29,9 @@ from terrain_lod.viewer.terrain_scene import TerrainScene
 from terrain_lod.viewer.terrain_settings import MODES
 from terrain_lod.viewer.view import require_display
 
+# the arrays here do not say their spacing, which is then 1
+pytestmark = pytest.mark.filterwarnings("ignore:.*how far apart its samples are")
+
 ORIGIN = (500_000.0, 4_000_000.0)
 
 

@@ -169,7 +169,11 @@ def _content(made: SweepReport) -> dict[str, Any]:
         ],
         "device": str(made.course.device.info),
         "peers_missing": made.missing,
-        "units": {name: unit for name, unit in _QUANTITIES.items() if unit},
+        "units": {
+            name: made.course.ground.unit_symbols[1] if unit == "m" else unit
+            for name, unit in _QUANTITIES.items()
+            if unit
+        },
         **{
             name: [{**_who(result), **_quantities(result)} for result in getattr(made, name)]
             for name in ("sweep", "tiles", "partitionings")

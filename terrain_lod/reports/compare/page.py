@@ -17,18 +17,6 @@ from ..template import filled_page
 from .outcome import SweepReport
 from .trials import Result
 
-_HEADS: Final = (
-    "",
-    "Edges",
-    "Triangles",
-    "Largest, m",
-    "RMS, m",
-    "Largest, px",
-    "RMS, px",
-    "Kept",
-    "Pop, px",
-    "Whole, ms",
-)
 _COST_HEADS: Final = (
     "",
     "Edges",
@@ -48,12 +36,14 @@ def comparison_page(made: SweepReport) -> str:
     """Return the page's text."""
     ground = made.course.ground
     (rows, columns), (low, high) = ground.shape, ground.height_range
+    across, up = ground.unit_symbols
     return filled_page(
         title=f"Speed against error: {ground.name}",
         subtitle=(
-            f"{rows:,} × {columns:,} samples, {ground.spacing[0]:g} × {ground.spacing[1]:g} m "
-            f"apart, {low:,.0f} to {high:,.0f} m high; {len(made.course.pairs)} views of a low "
-            f"flight, {made.course.cameras[0].size[0]} × {made.course.cameras[0].size[1]} pixels; "
+            f"{rows:,} × {columns:,} samples, {ground.spacing[0]:g} × {ground.spacing[1]:g} "
+            f"{across} apart, {low:,.0f} to {high:,.0f} {up} high; "
+            f"{len(made.course.pairs)} views of a low flight, "
+            f"{made.course.cameras[0].size[0]} × {made.course.cameras[0].size[1]} pixels; "
             f"on {made.course.device.info}."
         ),
         verdict=[*made.findings, *made.speeds],
@@ -109,12 +99,21 @@ def _sections(made: SweepReport) -> Iterator[str]:
         "Tile sizes",
         paragraph("The two promises at one tolerance, in tiles of every size.", kind="soft"),
         listing(
-            ("", "Tile", *_HEADS[1:]),
+            ("", "Tile", *_heads(made)[1:]),
             ([line[0], str(r.contender.tile), *line[1:]] for r in made.tiles if (line := _line(r))),
             words=3,
         ),
     )
     yield _popping(made)
+
+
+def _heads(made: SweepReport) -> tuple[str, ...]:
+    """Return the titles of the columns."""
+    up = made.course.ground.unit_symbols[1]
+    return (
+        "", "Edges", "Triangles", f"Largest, {up}", f"RMS, {up}", "Largest, px", "RMS, px", "Kept",
+        "Pop, px", "Whole, ms",
+    )  # fmt: skip
 
 
 def _tried(made: SweepReport) -> str:
@@ -128,7 +127,7 @@ def _tried(made: SweepReport) -> str:
             "the next of 240 pictures of the flight.",
             kind="soft",
         ),
-        listing(_HEADS, map(_line, made.sweep), words=2),
+        listing(_heads(made), map(_line, made.sweep), words=2),
         *(_absent(made.missing) if made.missing else ()),
     )
 

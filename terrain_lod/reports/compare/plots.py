@@ -66,9 +66,10 @@ def _save(
         figure = Figure(figsize=(11.0, 4.8), layout="constrained")
         FigureCanvasSVG(figure)
         left, right = figure.subplots(1, 2)
+        unit = results[0].contender.symbol if results else "m"
         _draw(left, results, lambda result: (cost(result), result.metres))
         _draw(right, results, lambda result: (cost(result), result.pixels))
-        left.set(xlabel=label, ylabel="largest vertical error (m)", title="In the world")
+        left.set(xlabel=label, ylabel=f"largest vertical error ({unit})", title="In the world")
         right.set(xlabel=label, ylabel="largest error (pixels)", title="In the picture")
         figure.legend(*left.get_legend_handles_labels(), loc="outside right upper", frameon=False)
         with replacing(path) as temporary:

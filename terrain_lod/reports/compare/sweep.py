@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -48,6 +48,8 @@ class Contender:
     edge_rule, partitioning : str
     tile : int
         Cells; these three say nothing of a peer.
+    symbol : str
+        What people read for ``"m"``: the symbol of the ground's unit.
     """
 
     family: str
@@ -58,6 +60,7 @@ class Contender:
     edge_rule: str = ""
     partitioning: str = "fractional_odd"
     tile: int = 0
+    symbol: str = "m"
 
     @property
     def is_static(self) -> bool:
@@ -82,7 +85,7 @@ class Contender:
     @property
     def label(self) -> str:
         """What people read: ``"MaxErrorLod 5 m, edge"``."""
-        unit = "×" if self.unit == "share" else self.unit
+        unit = {"share": "×", "m": self.symbol}.get(self.unit, self.unit)
         rule = f", {self.edge_rule}" if self.edge_rule else ""
         return f"{self.family} {self.parameter:,g} {unit}{rule}"
 
@@ -104,7 +107,8 @@ def installed(peers: Sequence[Peer] = PEERS) -> tuple[list[Peer], list[str]]:
 
 def contenders(ground: Heightmap, tile: int) -> list[Contender]:
     """Return everything that the sweep of `ground` tries at one tile size."""
-    return [*_ours(ground, tile), *_theirs(ground)]
+    symbol = ground.unit_symbols[1]
+    return [replace(one, symbol=symbol) for one in (*_ours(ground, tile), *_theirs(ground))]
 
 
 def _ours(ground: Heightmap, tile: int) -> Iterator[Contender]:
@@ -177,7 +181,15 @@ def tile_sizes(ground: Heightmap) -> list[Contender]:
     """Return the two promises at a middle tolerance, for every tile size."""
     metres = tolerances(ground)[len(tolerances(ground)) // 2]
     return [
-        Contender(type(lod).__name__, value, unit, lod, edge_rule="edge", tile=tile)
+        Contender(
+            type(lod).__name__,
+            value,
+            unit,
+            lod,
+            edge_rule="edge",
+            tile=tile,
+            symbol=ground.unit_symbols[1],
+        )
         for lod, value, unit in (
             (MaxErrorLod(metres), metres, "m"),
             (ScreenErrorLod(1.0), 1.0, "pixels"),

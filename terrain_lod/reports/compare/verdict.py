@@ -27,8 +27,8 @@ def speeds(sweep: Sequence[Result]) -> list[str]:
     pairs = list(_same_tolerance(sweep, "pydelatin"))
     if pairs:
         each = "; ".join(
-            f"{_number(ours.contender.parameter)} m: {_milliseconds(ours.times.whole)} against "
-            f"{_milliseconds(theirs.times.whole)}, "
+            f"{_number(ours.contender.parameter)} {ours.contender.symbol}: "
+            f"{_milliseconds(ours.times.whole)} against {_milliseconds(theirs.times.whole)}, "
             f"{_times_as(theirs.times.whole / ours.times.whole, 'as fast', 'as slow')}"
             for ours, theirs in pairs
         )
@@ -65,7 +65,7 @@ def _counts(sweep: Sequence[Result]) -> Iterator[str]:
     if not pairs:
         return
     each = "; ".join(
-        f"{_number(ours.contender.parameter)} m: {ours.triangles:,} against "
+        f"{_number(ours.contender.parameter)} {ours.contender.symbol}: {ours.triangles:,} against "
         f"{theirs.triangles:,}, {ours.triangles / theirs.triangles:.3g} times"
         for ours, theirs in pairs
     )
