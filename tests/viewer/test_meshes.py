@@ -64,7 +64,7 @@ def a_request(scene, **settings):
         ({"normals": "linear"}, {"factor": 5.0, "normals": "linear"}),
         ({"tessellated": False}, {"factor": 1.0}),
         ({"back_faces": False}, {"factor": 5.0, "back_faces": 0.0}),
-        ({"lod": "length"}, {"lod": tl.curved.LengthFactor(8.0, 1.0, 15.0)}),
+        ({"lod": "length"}, {"lod": tl.curved.LengthFactor(8.0)}),
         ({"lod": "silhouette", "cosine": 0.5}, {"lod": tl.curved.SilhouetteFactor(0.5, 1.0, 15.0)}),
     ],
 )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,7 @@ from terrain_lod import default_camera
 from terrain_lod.cli.app import REFUSED, run
 from terrain_lod.drawing.graphics import graphics_problem
 from terrain_lod.errors import FileError, GraphicsError, InputError
+from terrain_lod.terrain.lod_promises import BudgetLod
 from terrain_lod.terrain.lods import LODS
 from terrain_lod.viewer.controls import Controls
 from terrain_lod.viewer.model import Model
@@ -117,8 +119,8 @@ def test_frozen_detail_stays_and_its_frustum_is_drawn(controls):
 def test_the_last_good_mesh_stays_when_the_next_cannot_be_made(window):
     frame = window.frame
     window.change("lod", "budget")
-    window.settings = window.settings.changed("lod", "budget")
-    object.__setattr__(window.settings, "triangles", 1)
+    formulas = {**window.settings.formulas, "budget": BudgetLod(1)}
+    window.settings = replace(window.settings, lod="budget", formulas=formulas)
     window.ask()
     with pytest.raises(InputError, match="budget of at least"):
         window.settle()
@@ -219,7 +221,7 @@ def test_sliders_change_settings_and_follow_them(controls):
     controls.pump()
     shape = controls.widgets["pixels"].GetRepresentation()
     assert shape.GetValue() == pytest.approx(math.log10(2.0))
-    assert shape.GetTitleText() == "error, pixels: 2"
+    assert shape.GetTitleText() == "pixels: 2"
 
 
 def test_only_the_sliders_of_the_level_of_detail_are_there(controls):
