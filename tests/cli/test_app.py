@@ -192,7 +192,7 @@ def test_warnings_are_one_line(capsys):
     Image.fromarray(np.arange(64, dtype=np.uint8).reshape(8, 8)).save("steps.png")
     with warnings.catch_warnings():
         warnings.simplefilter("always")
-        assert run(["mesh", "steps.png", "-o", "steps.glb"]) == 0
+        assert run(["mesh", "steps.png", "-o", "steps.glb", "--spacing", "1"]) == 0
     error = capsys.readouterr().err
     assert error.startswith("terrain-lod: warning: ")
     assert error.count("\n") == 1
@@ -284,7 +284,7 @@ def test_bad_ground(ground, capsys, command, name, message):
         (["--spacing", "0"], "spacing > 0, got 0"),
         (["--spacing", "-5"], "spacing > 0, got -5"),
         (["--spacing", "nan"], "spacing"),
-        (["--spacing", "1,2,3"], "expected DX[,DY], got '1,2,3'"),
+        (["--spacing", "1,2,3"], "expected DX[,DY]|map, got '1,2,3'"),
         (["--tile", "0"], "whole number from 1 to 63 for tile, got 0"),
         (["--tile", "64"], "whole number from 1 to 63 for tile, got 64"),
         (["--tile", "many"], '"many"'),

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
@@ -132,17 +133,12 @@ def load(
     numbered = None if tile is None else checked_tile(tile)
     form, name = format_of(path)
     try:
-        with warnings.catch_warnings():
+        with _within_memory(path.name), warnings.catch_warnings():
             # what libraries mumble over a file is not for the user; what they raise is
             warnings.simplefilter("ignore")
             raster = form.read(path, part)
     except TerrainError:
         raise
-    except MemoryError:
-        raise InputError(
-            f"expected a raster that fits into memory, got {path.name}, which does not: read a "
-            "part with window= or bounds="
-        ) from None
     except Exception as error:
         # a damaged file makes libraries raise whatever there is
         reason = (str(error).splitlines() or [""])[0][:200] or type(error).__name__
@@ -161,13 +157,26 @@ def load(
             "a 16-bit or floating-point file would not"
         )
         raster = replace(raster, notes=(stairs, *raster.notes))
-    ground, notes = _ground_of(
-        raster, name, spacing=spacing, height_range=height_range, nodata=nodata, z_unit=z_unit,
-        z_scale=z_scale,
-    )  # fmt: skip
+    with _within_memory(path.name):
+        ground, notes = _ground_of(
+            raster, name, spacing=spacing, height_range=height_range, nodata=nodata,
+            z_unit=z_unit, z_scale=z_scale,
+        )  # fmt: skip
     for note in notes:
         warnings.warn(note, stacklevel=2)
     return ground
+
+
+@contextmanager
+def _within_memory(name: str) -> Iterator[None]:
+    """Say so where memory runs out all the same."""
+    try:
+        yield
+    except MemoryError:
+        raise InputError(
+            f"expected a raster that fits into memory, got {name}, which does not: read a part "
+            "with window= or bounds="
+        ) from None
 
 
 def ground_of(
