@@ -26,7 +26,7 @@ from pyopencl.tools import ImmediateAllocator, MemoryPool
 from ..errors import DeviceError
 from . import layout
 from .arrays import DeviceArray
-from .drivers import choose, info_of, named
+from .drivers import choose, info_of, named, require_own_process
 from .info import require_memory
 from .kernels import Kernel
 from .linker.offer import provide_linker
@@ -58,7 +58,7 @@ class Device:
             provide_linker()
         with named(f"opening {self.info}"):
             self.context = cl.Context([handle])
-            self.queue = cl.CommandQueue(
+            self._queue = cl.CommandQueue(
                 self.context, properties=cl.command_queue_properties.PROFILING_ENABLE
             )
         self.lock = threading.RLock()
@@ -94,6 +94,12 @@ class Device:
 
     def __repr__(self) -> str:
         return f"<Device {self.info}>"
+
+    @property
+    def queue(self) -> cl.CommandQueue:
+        """What every launch and transfer passes through."""
+        require_own_process()
+        return self._queue
 
     @property
     def is_gpu(self) -> bool:
@@ -134,6 +140,7 @@ class Device:
         What arrays have freed is kept for the next, which the queue's order makes safe: about as
         much as was lately in use at a time, and none where the device would run short.
         """
+        require_own_process()  # before a lock that a thread may have held at the fork
         with self.lock:
             held = self._pool.managed_bytes - self._pool.active_bytes
             # half of it is forgotten in ten meshes, of some thirty arrays each
@@ -185,6 +192,7 @@ class Device:
         DeviceError
             With the compiler's log, if it does not build.
         """
+        require_own_process()
         key = (file, repr(sorted(defines.items())))  # 1, 1.0 and True differ
         with self.lock:
             if key not in self._programs:

@@ -22,13 +22,18 @@ def devices() -> tuple[DeviceInfo, ...]:
     return tuple(info_of(handle) for handle in handles())
 
 
-def handles() -> list[cl.Device]:
-    global _listing_process
-    if _listing_process not in (None, os.getpid()):  # drivers' threads do not survive a fork
+def require_own_process() -> None:
+    """Refuse to use a driver in a fork: its threads have stayed behind, and waits would not end."""
+    if _listing_process not in (None, os.getpid()):
         raise DeviceError(
             "expected a process of its own for OpenCL, got a fork of one that uses it already: "
             "start workers with  multiprocessing.get_context('spawn')"
         )
+
+
+def handles() -> list[cl.Device]:
+    global _listing_process
+    require_own_process()
     _listing_process = os.getpid()
     try:
         platforms = cl.get_platforms()
