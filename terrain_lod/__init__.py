@@ -8,6 +8,9 @@
 >>> tl.vertical_error(mesh, ground)                             # doctest: +SKIP
 """
 
+from . import interrupts as interrupts  # first: Ctrl-C from here on
+
+# isort: split
 from .camera.camera import Camera
 from .camera.viewpoint import default_camera
 from .curved.bezier import bezier

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import signal
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from typing import Final
@@ -43,7 +45,21 @@ def handles() -> list[cl.Device]:
     for platform in platforms:
         with suppress(cl.Error):  # a platform without a device
             found += platform.get_devices()
+    _take_signals_back()
     return sorted(found, key=lambda handle: not is_gpu(handle))
+
+
+def _take_signals_back() -> None:
+    """Handle signals as before: PoCL's compiler, LLVM, takes them as its devices are listed.
+
+    At Ctrl-C it would remove the files that it is working on, under itself, before Python hears of
+    it: a build that fails, or the end of the process.
+    """
+    if threading.current_thread() is threading.main_thread():
+        for number in signal.valid_signals():
+            handler = signal.getsignal(number)
+            if callable(handler):
+                signal.signal(number, handler)
 
 
 def is_gpu(handle: cl.Device) -> bool:

@@ -185,6 +185,33 @@ def test_a_terrain_in_a_fork_is_an_error_and_does_not_hang() -> None:
     assert len(said) == 9
 
 
+PRESSED = """
+import os, signal, threading, time
+import numpy as np, terrain_lod as tl
+
+pressed, built = [], threading.Event()
+signal.signal(signal.SIGINT, lambda *_: pressed.append(True))
+
+def press():
+    while not built.wait(0.02):
+        os.kill(os.getpid(), signal.SIGINT)
+
+tl.Device.open()
+threading.Thread(target=press).start()
+try:
+    tl.Terrain(tl.Heightmap(np.eye(20)))
+finally:
+    built.set()
+print("built", len(pressed) > 3)
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals are sent as POSIX has them")
+def test_a_signal_does_not_reach_into_a_build(tmp_path: Path) -> None:
+    # PoCL keeps what it built: here nothing
+    assert in_a_child(PRESSED, POCL_CACHE_DIR=str(tmp_path)) == "built True\n"
+
+
 # memory
 
 
