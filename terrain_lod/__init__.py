@@ -10,6 +10,9 @@
 >>> tl.report(ground, "levels_of_detail")                       # doctest: +SKIP
 """
 
+from . import interrupts as interrupts  # first: Ctrl-C from here on
+
+# isort: split
 from . import curved
 from .camera.camera import Camera
 from .camera.viewpoint import default_camera

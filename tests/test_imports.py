@@ -17,6 +17,7 @@ PACKAGE = Path(terrain_lod.__file__).parent
 
 # from the ground floor up: a room, and the rooms below that it may import besides its own
 ROOMS = {
+    "interrupts": "",
     "errors": "",
     "arguments": "errors",
     "paths": "errors",
@@ -39,8 +40,8 @@ ROOMS = {
                  measure drawing""",
     "reports": """errors arguments paths numbered device ground camera tessellation mesh terrain
                   reference measure drawing""",
-    "cli": """errors arguments paths numbered device ground camera tessellation mesh files terrain
-              curved measure drawing viewer reports""",
+    "cli": """interrupts errors arguments paths numbered device ground camera tessellation mesh
+              files terrain curved measure drawing viewer reports""",
     "__main__": "cli",
 }
 # within a function, so that a value can offer what is written above it

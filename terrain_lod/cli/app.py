@@ -19,6 +19,7 @@ from cyclopts.config import Env
 from ..arguments import one_of
 from ..errors import TerrainError
 from ..ground.heightmap import Heightmap
+from ..interrupts import INTERRUPTED, end, raise_interrupts
 from ..paths import require_folder
 from .flyover import PathOptions
 from .lod_options import LodOptions, own_formulas
@@ -47,7 +48,6 @@ from .smooth import smooth
 from .view import view
 
 REFUSED: Final = 2
-INTERRUPTED: Final = 130
 
 app = App(
     name=PROGRAM,
@@ -287,4 +287,8 @@ def run(tokens: Sequence[str]) -> int:
 
 def main() -> None:
     """Run the command line and leave."""
-    sys.exit(run(sys.argv[1:]))
+    raise_interrupts()
+    code = run(sys.argv[1:])
+    if code == INTERRUPTED:
+        end()
+    sys.exit(code)

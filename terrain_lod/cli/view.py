@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -56,11 +55,13 @@ def view(
     subject
         A raster file, the name of a bundled sample, a mesh file, or Bézier patches in a .bpt file.
     web
-        Serve a page instead of opening a window.
+        Serve a page instead of opening a window. The printed address has a token, without which
+        nobody gets in.
     port
-        Of the page.
+        Of the page; 0 takes any that is free.
     host
-        Address that the page is served on; others than this machine need another.
+        Address that the page is served on. With another than the default, such as 0.0.0.0, other
+        machines reach it: whoever has the printed address can use the viewer, unencrypted.
     browser
         Open the page in a browser.
     off_screen
@@ -113,7 +114,6 @@ def view(
         from ..viewer.web import require_page, serve
 
         require_page(host, port)
-        print(f"http://{host}:{port}/  (Ctrl-C ends it)", file=sys.stderr)
         serve(model, eye, host=host, port=port, open_browser=browser)
     elif off_screen:
         from ..viewer.view import look

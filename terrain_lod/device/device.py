@@ -29,7 +29,7 @@ import pyopencl as cl
 
 from ..errors import DeviceError, InputError
 from . import layout
-from .drivers import choose, info_of, named
+from .drivers import choose, info_of, named, require_own_process
 from .info import require_memory
 from .linker.offer import provide_linker
 from .memory import Memory
@@ -61,7 +61,7 @@ class Device:
             provide_linker()
         with named(f"opening {self.info}"):
             self.context = cl.Context([handle])
-            self.queue = cl.CommandQueue(
+            self._queue = cl.CommandQueue(
                 self.context, properties=cl.command_queue_properties.PROFILING_ENABLE
             )
         self.memory = Memory(self.info.memory, self.queue)
@@ -95,6 +95,12 @@ class Device:
 
     def __repr__(self) -> str:
         return f"<Device {self.info}>"
+
+    @property
+    def queue(self) -> cl.CommandQueue:
+        """What every launch and transfer passes through."""
+        require_own_process()
+        return self._queue
 
     @property
     def is_gpu(self) -> bool:
@@ -172,6 +178,7 @@ class Device:
         FileError
             If a header from elsewhere cannot be read.
         """
+        require_own_process()
         source, content = None, repr(sorted(defines.items()))  # 1, 1.0 and True differ
         if any(isinstance(value, Path) for value in defines.values()):
             source = content = self._source(file, defines)

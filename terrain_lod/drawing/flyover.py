@@ -9,14 +9,17 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from hashlib import sha256
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
+import numpy.typing as npt
 from PIL import Image, ImageDraw, ImageFont
 
 from ..camera.camera import Camera
 from ..errors import FileError, InputError
+from ..ground.heightmap import Heightmap
 from ..mesh.mesh import Mesh
 from ..paths import replacing, require_made
 from ..terrain.lod import AnyLod, checked_lod, unweighted
@@ -163,14 +166,27 @@ def _description(
     meshing: dict[str, Any],
 ) -> dict[str, object]:
     """Return what makes the pictures what they are."""
-    drape = None if look.drape is None else int(look.drape.picture.astype(np.uint64).sum())
+    detail = None if terrain.detail is None else _fingerprint(terrain.detail)
+    drape = None if look.drape is None else _digest(look.drape.picture)
     return {
-        "terrain": repr(terrain),
+        "ground": [_fingerprint(terrain.ground), detail],
+        "tiles": [terrain.grid.tile, _digest(terrain.analysis.deviation)],
         "cameras": [repr(camera) for camera in cameras],
         "lods": [repr(lod) for lod in lods],
         **meshing,
         "look": [look.style, list(look.sun), look.wireframe, look.counts, drape],
     }
+
+
+def _fingerprint(ground: Heightmap) -> list[object]:
+    """Return what tells a ground from every other."""
+    mask = None if ground.mask is None else _digest(ground.mask)
+    return [_digest(ground.heights), mask, ground.base, *ground.spacing, *ground.origin]
+
+
+def _digest(values: npt.NDArray[Any]) -> str:
+    shape = repr((values.shape, values.dtype.str)).encode()
+    return sha256(shape + np.ascontiguousarray(values).tobytes()).hexdigest()
 
 
 def _require_same(folder: Path, description: dict[str, object]) -> None:
@@ -179,13 +195,14 @@ def _require_same(folder: Path, description: dict[str, object]) -> None:
     try:
         known = json.loads(notes.read_text(encoding="utf-8")) if notes.exists() else None
     except ValueError:
-        known = {}
+        known = None
     except OSError as error:
         raise FileError(f"cannot read {notes}: {error.strerror}") from None
     if known == description:
         return
-    if known is not None and any(folder.glob("[0-9]*.png")):
-        changed = ", ".join(name for name in description if known.get(name) != description[name])
+    if any(folder.glob("[0-9]*.png")):
+        noted = known if isinstance(known, dict) else {}
+        changed = ", ".join(name for name in description if noted.get(name) != description[name])
         raise InputError(
             f"expected a folder of the same pictures to go on with, got {folder} with other "
             f"{changed}: empty it or choose another"

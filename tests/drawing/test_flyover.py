@@ -16,6 +16,7 @@ from support.grounds import holed, plane, rough
 from terrain_lod import (
     Camera,
     CoplanarityLod,
+    Heightmap,
     InputError,
     Terrain,
     UniformLod,
@@ -138,6 +139,50 @@ def test_pictures_go_on_where_they_stopped(terrain, tmp_path):
         render_path(terrain, cameras, tmp_path, lods=(UniformLod(3),))
     with pytest.raises(InputError, match="with other cameras"):
         render_path(terrain, cameras[:3], tmp_path, lods=lods)
+
+
+@needs_graphics
+def test_a_folder_of_another_flight_is_not_gone_on_with(terrain, tmp_path):
+    ground = terrain.ground
+    cameras = orbit(ground, 2, camera=default_camera(ground, size=(32, 24)))
+    lods = (UniformLod(3),)
+    render_path(terrain, cameras[:1], tmp_path / "flight", lods=lods)
+
+    def goes_on(other, look=Look()):  # noqa: B008
+        try:
+            render_path(other, cameras[:1], tmp_path / "flight", lods=lods, look=look)
+        except InputError as error:
+            return str(error).partition(" with other ")[2].partition(":")[0]
+        return True
+
+    def like(heights, mask=None, **options):
+        chosen = {"spacing": ground.spacing, "origin": ground.origin, "base": ground.base}
+        return Heightmap(heights, mask=mask, **{**chosen, **options})
+
+    heights = np.array(ground.heights)
+    assert goes_on(Terrain(like(heights))) is True
+    # all of these have the repr of the first
+    inner = heights.copy()
+    inner[40, 40] = heights[40, 41]
+    hole = np.zeros(heights.shape, bool)
+    hole[40, 40] = True
+    assert "ground" in goes_on(Terrain(like(inner)))
+    assert "ground" in goes_on(Terrain(like(heights, origin=(0.25, 0.0))))
+    assert "ground" in goes_on(Terrain(like(heights, hole)))
+    assert goes_on(Terrain(ground, plane="corners")) == "tiles"
+    small = Heightmap(np.eye(4), spacing=np.divide(ground.spacing, 3))
+    assert "ground" in goes_on(Terrain(ground, detail=small))
+    one, other = (np.full((4, 4, 3), 9, np.uint8) for _ in range(2))
+    one[0, 0], other[3, 3] = 90, 90
+    drapes = (Look(drape=Drape(picture, ground)) for picture in (one, other))
+    render_path(terrain, cameras[:1], tmp_path / "draped", lods=lods, look=next(drapes))
+    with pytest.raises(InputError, match="with other look"):
+        render_path(terrain, cameras[:1], tmp_path / "draped", lods=lods, look=next(drapes))
+    # nothing is known of these pictures
+    for text in ("", "[]", None):
+        notes = tmp_path / "flight" / "frames.json"
+        notes.unlink() if text is None else notes.write_text(text)
+        assert "ground" in goes_on(terrain)
 
 
 @needs_graphics

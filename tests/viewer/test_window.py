@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import math
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -313,6 +314,37 @@ def test_ground_is_read_again_and_a_lost_file_leaves_the_last_good_mesh(tmp_path
         window.close()
 
 
+def test_a_recording_that_cannot_be_written_is_over(window, tmp_path):
+    folder = tmp_path / "pictures"
+    controls = Controls(window, pictures=folder)
+
+    def record(pictures):
+        folder.mkdir()
+        press(controls, "v")
+        assert controls.movie is not None
+        for number in range(pictures):
+            window.note = f"{number}"
+            window.redraw()
+            controls.pump()
+
+    record(pictures=3)
+    shutil.rmtree(folder)
+    press(controls, "v")
+    assert "cannot write" in window.note
+    assert controls.movie is None
+    # it ends by itself where a picture cannot be written
+    record(pictures=0)
+    shutil.rmtree(folder)
+    window.redraw()
+    controls.pump()
+    assert "the recording ends" in window.note
+    assert controls.movie is None
+    record(pictures=3)
+    press(controls, "v")
+    with Image.open(folder / "terrain-lod-001.gif") as movie:
+        assert movie.n_frames == 3
+
+
 def test_off_screen_writes_a_picture_and_a_flight(model, tmp_path):
     lines = look(
         model,
@@ -360,6 +392,30 @@ def test_vtk_is_tidied_up_on_its_own_thread(model):
     window = Window(model, default_camera(model.scene.ground, size=SIZE), off_screen=True)
     assert not gc.isenabled()
     window.close()
+    assert gc.isenabled()
+
+
+def test_the_collector_waits_for_the_last_of_two_windows(model):
+    camera = default_camera(model.scene.ground, size=SIZE)
+    first, second = (Window(model, camera, off_screen=True) for _ in range(2))
+    first.close()
+    first.close()
+    assert not gc.isenabled()
+    second.close()
+    assert gc.isenabled()
+    gc.disable()
+    try:
+        Window(model, camera, off_screen=True).close()
+        assert not gc.isenabled()  # as it was
+    finally:
+        gc.enable()
+
+
+def test_a_window_that_does_not_open_leaves_the_collector_on(model):
+    with pytest.raises(AttributeError):
+        Window(model, object(), off_screen=True)
+    with pytest.raises(AttributeError):
+        Window(object(), default_camera(model.scene.ground, size=SIZE), off_screen=True)
     assert gc.isenabled()
 
 
