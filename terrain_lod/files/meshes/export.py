@@ -33,14 +33,13 @@ from ...mesh.mesh import Mesh
 from ...mesh.soundness import require_sound
 from ...paths import replacing
 from .glb import write_glb
+from .raw import ORIGIN_MARK
 
 if TYPE_CHECKING:
     import pyvista
 
 _log = logging.getLogger(__name__)
 
-# what the comments that record an origin begin with
-ORIGIN_MARK: Final = "terrain_lod origin"
 # bytes that an STL header has
 _STL_HEADER: Final = 80
 
