@@ -130,7 +130,7 @@ def _placed(
     if origin.shape != (3,) or not np.isfinite(origin).all():
         raise InputError(f"expected a finite origin of three numbers in {path}, got {origin}")
     largest = float(abs(points).max())
-    if largest > np.finfo(np.float32).max:
+    if largest > float(np.finfo(np.float32).max):
         raise InputError(f"expected positions that 32 bits can hold in {path}, got {largest:g}")
     return points, origin
 

@@ -44,7 +44,10 @@ def read_off(path: Path) -> RawMesh:
     if has_four or has_any or b"BINARY" in lines[0]:
         raise ValueError(f"expected three dimensions in text, got {keyword[0].decode()}")
     lines = lines if lines[0] else lines[1:]
-    vertex_count, face_count = (int(number) for number in lines[0].split()[:2])
+    counts = lines[0].split()[:2] if lines else []
+    if len(counts) < 2:
+        raise ValueError("it does not say how many vertices and faces it has")
+    vertex_count, face_count = map(int, counts)
     if min(vertex_count, face_count) < 0 or len(lines) - 1 < vertex_count + face_count:
         raise ValueError("it ends before its header says")
     rows = numbers(lines[1 : 1 + vertex_count], 6 if has_normals else 3, "a vertex")
