@@ -85,8 +85,9 @@ def other_files(folder: Path) -> list[tuple[str, bytes]]:
     for data, ending in ((surface, ".vtp"), (surface, ".vtk"), (volume, ".vtu"), (volume, ".vtk")):
         data.save(folder / f"made{ending}")
         found.append((ending, (folder / f"made{ending}").read_bytes()))
-    return [*found, (".msh", b"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n3\n1 0 0 0\n2 1 0 0\n"
-                     b"3 0 1 0\n$EndNodes\n$Elements\n1\n1 2 2 0 1 1 2 3\n$EndElements\n")]  # fmt: skip
+    gmsh = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n"
+    gmsh += "$EndNodes\n$Elements\n1\n1 2 2 0 1 1 2 3\n$EndElements\n"
+    return [*found, (".msh", gmsh.encode())]
 
 
 def damaged(content: bytes, chance: random.Random) -> bytes:
