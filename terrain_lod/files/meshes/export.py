@@ -47,8 +47,9 @@ _STL_HEADER: Final = 80
 def save(mesh: Mesh, path: str | Path) -> Path:
     """Write a mesh to a file; the ending chooses the format.
 
-    The file appears whole or not at all: it is written under a temporary name beside `path` and
-    renamed.
+    The file appears whole or not at all: it is written under a temporary name beside `path`, one of
+    this writer alone, and renamed. Of several that save to one name at once, the last is what
+    stays.
 
     Parameters
     ----------
