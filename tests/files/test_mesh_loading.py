@@ -75,6 +75,35 @@ def test_a_volume_gives_its_surface(tmp_path, caplog):
     assert "taking the surface of ImageData" in caplog.text
 
 
+def test_polygons_and_strips_of_vtk(tmp_path, caplog):
+    # a bay, whose middle corner lies within, and a strip of two triangles; a line beside them
+    points = [
+        (0, 0, 0),
+        (2, 0, 0),
+        (2, 2, 0),
+        (1, 0.5, 0),
+        (3, 0, 0),
+        (4, 0, 0),
+        (3, 1, 0),
+        (4, 1, 0),
+    ]
+    surface = pyvista.PolyData(
+        np.array(points) + np.array([500_000.125, 0, 0]),
+        faces=[4, 0, 1, 2, 3],
+        strips=[4, 4, 5, 6, 7],
+        lines=[2, 0, 4],
+    )
+    surface.save(tmp_path / "mixed.vtp")
+    mesh = load_mesh(tmp_path / "mixed.vtp")
+    assert len(mesh.triangles) == 4
+    assert "left out 1 lines" in caplog.text
+    np.testing.assert_array_equal(mesh.vertices[0] + mesh.origin, (500_000.125, 0, 0))
+    a, b, c = np.moveaxis(mesh.vertices[mesh.triangles], 1, 0)
+    areas = np.cross(b - a, c - a)[:, 2] / 2
+    assert (areas > 0).all()
+    assert areas.sum() == 1.5 + 1
+
+
 def test_gltf_of_others_is_turned_z_up(tmp_path):
     ground = Heightmap(np.arange(12).reshape(3, 4), origin=(10.0, 20.0))
     path = save(grid_mesh(ground), tmp_path / "ground.glb")
