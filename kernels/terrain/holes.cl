@@ -1,7 +1,8 @@
 // Ground without data is not covered: triangles that reach into it are left out.
 //
 // A cell has data where its four samples have. A triangle stays if no cell without data shares
-// more than an outline with it. Patches without holes, most of them, are copied as they are.
+// more than an outline with it. Patches without holes, most of them, are copied as they are. Points
+// that no triangle uses any more are left out, too: their height would be that of no ground.
 //
 //     sample without data  o          x  cell without data: bilinear would need the sample
 //          +---+---+---+
@@ -70,17 +71,20 @@ inline bool is_kept(const Ground ground, const Tile tile, const Triangle t)
     return true;
 }
 
-// How many triangles of each patch stay; a work-item a patch.
+// How many triangles of each patch stay, and how many of its points these use; a work-item a patch.
 __kernel void count_kept(const Grid grid,
                          __global const float *heights,              // (R, C)
                          __global const uchar *holes,                // (R, C)
                          __global const float *detail_heights,       // where DETAIL
                          __global const float4 *details,             // (P,) .w: samples without data
-                         __global const uint2 *points,
+                         __global const uint *point_offsets,         // (P + 1,)
+                         __global const uint2 *points,               // (N,)
                          __global const uint *triangle_offsets,      // (P + 1,)
                          __global const int *triangles,              // (M, 3)
                          __global uchar *kept,                       // (M,)
-                         __global uint *counts)                      // (P,)
+                         __global uchar *used,                       // (N,)
+                         __global uint *counts,                      // (P,)
+                         __global uint *point_counts)                // (P,)
 {
     const int patch = get_global_id(0);
     if (patch >= tile_count(grid))
@@ -89,33 +93,54 @@ __kernel void count_kept(const Grid grid,
     const Tile tile = tile_at(grid, patch);
     const Ruler across = ruler_of(tile.cells_across), down = ruler_of(tile.cells_down);
     const bool whole = details[patch].w == 0.0f;
+    for (uint i = point_offsets[patch]; i < point_offsets[patch + 1]; ++i)
+        used[i] = whole;
     uint count = 0;
     for (uint i = triangle_offsets[patch]; i < triangle_offsets[patch + 1]; ++i) {
         const bool keep = whole || is_kept(ground, tile,
             triangle_at(across, down, points, triangles + 3 * i));
         kept[i] = keep;
         count += keep;
+        for (int corner = 0; corner < 3; ++corner)
+            used[triangles[3 * i + corner]] |= keep;
     }
     counts[patch] = count;
+    uint point_count = 0;
+    for (uint i = point_offsets[patch]; i < point_offsets[patch + 1]; ++i)
+        point_count += used[i];
+    point_counts[patch] = point_count;
 }
 
-// Copy those that stay, in their order; a work-item a patch.
+// Copy those that stay, in their order, and number the points anew; a work-item a patch.
 __kernel void copy_kept(const int patches,
+                        __global const uint *point_offsets,          // (P + 1,)
+                        __global const uint2 *points,                // (N,)
                         __global const uint *triangle_offsets,       // (P + 1,)
                         __global const int *triangles,               // (M, 3)
                         __global const uchar *kept,                  // (M,)
+                        __global const uchar *used,                  // (N,)
                         __global const uint *kept_offsets,           // (P + 1,)
-                        __global int *kept_triangles)                // (K, 3)
+                        __global const uint *used_offsets,           // (P + 1,)
+                        __global uint *renumbered,                   // (N,)
+                        __global int *kept_triangles,                // (K, 3)
+                        __global uint2 *used_points)                 // (U,)
 {
     const int patch = get_global_id(0);
     if (patch >= patches)
         return;
+    uint place = used_offsets[patch];
+    for (uint i = point_offsets[patch]; i < point_offsets[patch + 1]; ++i) {
+        if (!used[i])
+            continue;
+        used_points[place] = points[i];
+        renumbered[i] = place++;
+    }
     uint target = kept_offsets[patch];
     for (uint i = triangle_offsets[patch]; i < triangle_offsets[patch + 1]; ++i) {
         if (!kept[i])
             continue;
         for (int corner = 0; corner < 3; ++corner)
-            kept_triangles[3 * target + corner] = triangles[3 * i + corner];
+            kept_triangles[3 * target + corner] = renumbered[triangles[3 * i + corner]];
         ++target;
     }
 }

@@ -224,7 +224,10 @@ def _unlike_holes(case: Case, device: Device) -> float:
     )
     found = without_holes_on_device(case.tiles(device), pattern)
     expected = triangles[holes.kept(case.ground, case.grid, points, triangles, patch)]
-    return unequal_rows(found.primitives.host(), expected)
+    used_points, corners = holes.with_used_points(points, expected)
+    return unequal_rows(found.primitives.host(), corners) + unequal_rows(
+        found.points.host(), used_points
+    )
 
 
 def check_vertical_error(device: Device) -> Check:

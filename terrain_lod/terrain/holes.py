@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -27,33 +26,46 @@ def without_holes_on_device(tiles: DeviceTiles, pattern: DevicePattern) -> Devic
     Returns
     -------
     DevicePattern
-        The same points, fewer triangles.
+        Fewer triangles, and the points that they use.
     """
     device, ground, patches = tiles.device, tiles.ground, tiles.grid.count
     count = pattern.primitives.shape[0]
     kept = device.empty(count, np.uint8)
-    counts = device.empty(patches, np.uint32)
+    point_count = pattern.points.shape[0]
+    used = device.empty(point_count, np.uint8)
+    counts, point_counts = (device.empty(patches, np.uint32) for _ in range(2))
     device.kernel("terrain/holes.cl", "count_kept", **ground.defines)(
         (patches,),
         (_GROUP,),
         **ground.arguments,
         details=tiles.analysis.details,
+        point_offsets=pattern.point_offsets,
         points=pattern.points,
         triangle_offsets=pattern.primitive_offsets,
         triangles=pattern.primitives,
         kept=kept,
+        used=used,
         counts=counts,
+        point_counts=point_counts,
     )
     offsets, total = exclusive_scan(counts)
+    point_offsets, used_total = exclusive_scan(point_counts)
     triangles = device.empty((total, 3), np.int32)
+    points = device.empty((used_total, 2), np.uint32)
     device.kernel("terrain/holes.cl", "copy_kept", **ground.defines)(
         (patches,),
         (_GROUP,),
         patches=patches,
+        point_offsets=pattern.point_offsets,
+        points=pattern.points,
         triangle_offsets=pattern.primitive_offsets,
         triangles=pattern.primitives,
         kept=kept,
+        used=used,
         kept_offsets=offsets,
+        used_offsets=point_offsets,
+        renumbered=device.empty(point_count, np.uint32),
         kept_triangles=triangles,
+        used_points=points,
     )
-    return replace(pattern, primitives=triangles, primitive_offsets=offsets)
+    return DevicePattern(points, triangles, point_offsets, offsets)
