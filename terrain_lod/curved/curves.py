@@ -89,7 +89,7 @@ def curve(
     Parameters
     ----------
     name : str
-        A key of :data:`CURVES`: helix, torus_knot, lissajous.
+        One of helix, torus_knot, lissajous.
     pieces : int, optional
         Isolines laid end to end.
     factor : float, optional

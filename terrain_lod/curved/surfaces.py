@@ -80,7 +80,7 @@ def surface(
     Parameters
     ----------
     name : str
-        A key of :data:`SURFACES`: sphere, torus, moebius, klein, helicoid, seashell, superquadric.
+        One of sphere, torus, moebius, klein, helicoid, seashell, superquadric.
     patches : (int, int), optional
         Quads along u and along v.
     factor : float, optional
