@@ -35,7 +35,7 @@ docs: .venv/ready-for-docs
 	@echo "out/site/index.html"
 
 clean:
-	rm -rf docs/_examples docs/gallery docs/reference
+	rm -rf docs/_examples docs/gallery docs/project docs/reference
 	rm -rf .venv build dist out *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis
 
 # the stamps are as old as the last set-up; a change of pyproject.toml asks for the next

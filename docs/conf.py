@@ -13,6 +13,7 @@ sys.path.insert(0, str(DOCS))
 
 import numpydoc.xref  # noqa: E402
 from gallery_pictures import WrittenPictures  # noqa: E402
+from project_pages import write_project_pages  # noqa: E402
 from reference_pages import (  # noqa: E402
     every_name_has_a_page,
     public_bases,
@@ -40,13 +41,12 @@ default_role = "code"
 # a reference that leads nowhere is a mistake; rooms inside the package have no pages of their own
 nitpicky = True
 nitpick_ignore_regex = [("py:.*", r"terrain_lod\.[a-z_]+\..*")]
-# pages that have their place in the list of contents before they are written
-suppress_warnings = ["toc.empty_glob"]
 
-myst_enable_extensions = ["deflist"]
+myst_enable_extensions = ["attrs_block", "deflist"]
 myst_heading_anchors = 3
 
 write_reference(DOCS / "reference")
+write_project_pages(PROJECT, DOCS / "project")
 autosummary_generate = False
 autodoc_typehints = "none"  # docstrings say more: shapes and units
 autodoc_member_order = "bysource"
@@ -55,7 +55,10 @@ numpydoc_show_class_members = False
 numpydoc_xref_param_type = True
 numpydoc_xref_ignore = "all"
 numpydoc.xref.DEFAULT_LINKS.clear()  # to the pages of Python and NumPy: nothing is fetched
-numpydoc_xref_aliases = {short: full for full, short in public_names().items()}
+# classes: other names are words, too
+numpydoc_xref_aliases = {
+    short: full for full, short in public_names().items() if short[0].isupper()
+}
 
 # examples run in a copy of their folder, where they leave what they write
 shutil.copytree(
