@@ -21,6 +21,8 @@ PAGES = [
     *sorted((PROJECT / "docs").glob("*.md")),
     *sorted((PROJECT / "benchmarks").glob("*.md")),
 ]
+# what a print is said to print, behind it or in the line below
+SAID = re.compile(r"^[ \t]*print\(.*\)\s+# (.*)$", re.MULTILINE)
 # made when the site is built
 MADE = ("gallery/", "project/", "reference/")
 
@@ -54,7 +56,7 @@ def test_python_of_a_page_runs_and_prints_what_it_says(
     for block in code:
         exec(compile(block, name_of(page), "exec"), names)
     printed = capsys.readouterr().out.splitlines()
-    for said in re.findall(r"^\s*print\(.*\)\s+# (.*)$", "\n".join(code), re.MULTILINE):
+    for said in SAID.findall("\n".join(code)):
         pattern = said.replace("[", "[[]").replace(" ...", "*").replace("...", "*")
         assert any(fnmatchcase(line, pattern) for line in printed), (said, printed)
 
