@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import shutil
 import sys
 from importlib import metadata
@@ -42,6 +43,9 @@ default_role = "code"
 nitpicky = True
 nitpick_ignore_regex = [("py:.*", r"terrain_lod\.[a-z_]+\..*")]
 
+# it is the checkout's folder that may have one
+suppress_warnings = ["sphinx_gallery.space_in_filename"]
+
 myst_enable_extensions = ["attrs_block", "deflist"]
 myst_heading_anchors = 3
 
@@ -60,6 +64,7 @@ numpydoc_xref_aliases = {
     short: full for full, short in public_names().items() if short[0].isupper()
 }
 
+logging.getLogger("terrain_lod").setLevel(logging.WARNING)  # what loading notes is no news here
 # examples run in a copy of their folder, where they leave what they write
 shutil.copytree(
     PROJECT / "examples",
