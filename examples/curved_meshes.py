@@ -1,4 +1,11 @@
-"""Before and after: five meshes curved, shaded and as wireframe, on one sheet."""
+"""Curved meshes
+=============
+
+Five meshes before and after their triangles are curved, shaded and as wireframe.
+
+Each row of the sheet shows a mesh, the same mesh curved, both of them as wireframe, and the mesh
+refined only where its outline is.
+"""
 
 import numpy as np
 import pyvista

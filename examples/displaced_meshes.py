@@ -1,4 +1,8 @@
-"""A ring displaced by a map across its seams, and a ball that was shot at."""
+"""Displaced meshes
+================
+
+A ring that a map displaces across its seams, and a ball that was shot at.
+"""
 
 import numpy as np
 import pyvista

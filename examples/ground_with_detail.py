@@ -1,4 +1,10 @@
-"""Sand ripples on dunes: a small map repeated over ground eight times as coarse, stored nowhere."""
+"""Ground with detail
+==================
+
+Sand ripples on dunes: a small map, repeated over ground that is eight times as coarse.
+
+The sum of both is stored nowhere. Left of the seam are the dunes alone, right of it with ripples.
+"""
 
 import numpy as np
 from PIL import Image

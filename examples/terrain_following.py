@@ -1,6 +1,11 @@
-"""Fly low over a mesh and stay clear of it: heights below and rays ahead, all in one call each."""
+"""Terrain following
+=================
+
+Fly low over a mesh and stay clear of it: heights below and rays ahead, each in one call.
+"""
 
 import numpy as np
+from matplotlib.figure import Figure
 
 import terrain_lod as tl
 
@@ -38,3 +43,12 @@ samples = ground.origin + np.round((way - ground.origin) / ground.spacing) * gro
 off = np.abs(drawn.height_at(samples) - terrain.height_at(samples)).max()
 print(f"what is drawn is off the ground by {off:.2f} m at most")
 assert off <= 5.0
+
+figure = Figure(figsize=(10, 3.6), layout="constrained")
+axes = figure.subplots()
+kilometres = (way[:, 0] - way[0, 0]) / 1000
+axes.fill_between(kilometres, below, below.min() - 20, color="#b9a27f", label="what is drawn")
+axes.plot(kilometres, flight[:, 2], color="#1d5b7a", label="flight")
+axes.set(xlabel="kilometres to the east", ylabel="metres", xlim=(kilometres[0], kilometres[-1]))
+axes.legend(loc="upper left", frameon=False)
+figure.savefig("terrain_following.png", dpi=110)

@@ -1,4 +1,8 @@
-"""One camera, three views side by side: the picture, its triangles, their level of detail."""
+"""Three views
+===========
+
+One camera and three views side by side: the picture, its triangles, their level of detail.
+"""
 
 import numpy as np
 from PIL import Image

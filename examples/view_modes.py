@@ -1,4 +1,7 @@
-"""What the viewer shows, rendered without a window: ground and a curved pot, a picture a mode.
+"""Modes of the viewer
+===================
+
+What the viewer shows, drawn without a window: ground and a curved pot, a picture a mode. ::
 
     python examples/view_modes.py [folder]
 
