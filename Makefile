@@ -2,6 +2,7 @@
 #
 #   make demo     real ground becomes a mesh, pictures and a report, in out/demo
 #   make test     lint, format, types and tests
+#   make docs     the site: guides, gallery and reference, in out/site
 #   make clean    forget the environment and everything made
 #
 # PYTHON=python3.13 chooses another interpreter for .venv. Paths are relative throughout, so the
@@ -15,7 +16,7 @@ mesa := libegl1 libgl1-mesa-dri
 draws := from terrain_lod.drawing.graphics import require_graphics as check; check()
 as_root := $(if $(filter 0,$(shell id -u)),,sudo -n)
 
-.PHONY: help demo test clean
+.PHONY: help demo test docs clean
 
 help:
 	@sed -n 's/^#   make/make/p' Makefile
@@ -29,7 +30,12 @@ test: .venv/ready-to-test
 	$(python) -m mypy
 	$(python) -m pytest --numprocesses $(WORKERS)
 
+docs: .venv/ready-for-docs
+	$(python) -m sphinx -W --keep-going --quiet --jobs $(WORKERS) docs out/site
+	@echo "out/site/index.html"
+
 clean:
+	rm -rf docs/_examples docs/gallery docs/project docs/reference
 	rm -rf .venv build dist out *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis
 
 # the stamps are as old as the last set-up; a change of pyproject.toml asks for the next
@@ -40,6 +46,10 @@ clean:
 
 .venv/ready-to-test: pyproject.toml
 	$(call set_up,.[test])
+	@touch .venv/ready $@
+
+.venv/ready-for-docs: pyproject.toml
+	$(call set_up,.[docs])
 	@touch .venv/ready $@
 
 # the 3-D pictures need software OpenGL: it is installed where that takes no password, else named

@@ -29,7 +29,7 @@ from terrain_lod.curved.patch_factors import (
     UniformFactor,
 )
 from terrain_lod.curved.smooth import pn_triangles
-from terrain_lod.drawing.render import render
+from terrain_lod.drawing.picture import draw
 from terrain_lod.measure.cracks import crack_report
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
@@ -57,7 +57,7 @@ def cameras(count: int, mesh: tl.Mesh) -> list[tl.Camera]:
         eye = middle + direction / np.linalg.norm(direction) * size * rng.uniform(0.7, 2.0)
         target = middle + rng.normal(size=3) * 0.05 * size
         points = tuple(eye.tolist()), tuple(target.tolist())
-        found.append(tl.Camera(*points, up=(0.1, 0.2, 1), size=(320, 240), near=0.01))
+        found.append(tl.Camera(*points, up=(0.1, 0.2, 1), fov=60, size=(320, 240), near=0.01))
     return found
 
 
@@ -110,7 +110,7 @@ def _differ(mesh: tl.Mesh, some: np.ndarray, fewer: np.ndarray, camera: tl.Camer
         return False
     # all of the vertices, so that haze and clipping planes are the same
     pictures = (
-        render(replace(mesh, triangles=mesh.triangles[drawn]), camera) for drawn in (some, fewer)
+        draw(replace(mesh, triangles=mesh.triangles[drawn]), camera) for drawn in (some, fewer)
     )
     return not np.array_equal(*pictures)
 

@@ -105,7 +105,7 @@ def against(
 def view(name: str, samples: int, tiles: list[int], views: int) -> None:
     """Print triangles and pictures a second of a low flight, and the static mesh it stands for."""
     ground = ground_of(name, samples)
-    cameras = flyover(ground, views)
+    cameras = flyover(ground, views, fov=55)
     static, metres = _static_mesh(ground, cameras)
     print(f"{name}, {samples} x {samples}: pydelatin keeps a pixel with {metres:.3g} m,", end=" ")
     print(f"{len(static.triangles):,} triangles")

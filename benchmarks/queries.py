@@ -39,7 +39,8 @@ def looks(ground: tl.Heightmap, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Return an eye above the ground and the directions of a picture's pixels."""
     x, y, z = ground.centre
     width, depth = ground.extent
-    camera = tl.Camera((x - 0.4 * width, y - 0.4 * depth, z + 0.1 * width), (x, y, z))
+    eye = (x - 0.4 * width, y - 0.4 * depth, z + 0.1 * width)
+    camera = tl.Camera(eye, (x, y, z), fov=60)
     right, upward, forward = camera.axes
     random = np.random.default_rng(1)
     across, up = random.uniform(-1, 1, (2, count, 1))
@@ -54,11 +55,11 @@ def queries(terrain: tl.Terrain, count: int) -> None:
     width, depth = ground.extent
     points = ground.origin + random.uniform(0, 1, (count, 2)) * (width, -depth)
     eye, directions = looks(ground, count)
-    surfaces: dict[str, tl.Terrain | tl.Surface] = {"ground": terrain}
+    surfaces: dict[str, tl.Terrain | tl.MeshQueries] = {"ground": terrain}
     for lod in (tl.UniformLod(15), tl.MaxErrorLod(20.0)):
         mesh = terrain.mesh(lod=lod)
         start = perf_counter()
-        surface = tl.Surface(mesh, device=terrain.device)
+        surface = tl.MeshQueries(mesh, device=terrain.device)
         terrain.device.finish()
         surfaces[f"{len(mesh.triangles):,} triangles"] = surface
         print(

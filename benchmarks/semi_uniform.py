@@ -85,7 +85,7 @@ class Scene:
         directions = np.random.default_rng(3).normal(size=(VIEWS, 3))
         eyes = 12 * directions / np.linalg.norm(directions, axis=1, keepdims=True)
         self.views = [
-            tl.Camera(tuple(eye.tolist()), (0, 0, 0), up=(0.1, 0.2, 1)).view((0, 0, 0))
+            tl.Camera(tuple(eye.tolist()), (0, 0, 0), up=(0.1, 0.2, 1), fov=60).view((0, 0, 0))
             for eye in eyes
         ]
 

@@ -41,7 +41,7 @@ def flight(count: int, step: float) -> list[tl.Camera]:
     """Return cameras around the torus, climbing."""
     angles = step * np.arange(count)
     eyes = np.stack([6 * np.cos(angles), 6 * np.sin(angles), 3 + angles], axis=1)
-    return [tl.Camera(tuple(eye.tolist()), (0, 0, 0), size=(1920, 1080)) for eye in eyes]
+    return [tl.Camera(tuple(eye.tolist()), (0, 0, 0), fov=60) for eye in eyes]
 
 
 def between(base: PatchedMesh, formula: EdgeFactor, camera: tl.Camera) -> tl.Mesh:

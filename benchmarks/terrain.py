@@ -60,7 +60,7 @@ def million_triangles(samples: int, device: tl.Device) -> None:
     """Print what hull, tessellator and domain stage cost for a million triangles."""
     terrain = tl.Terrain(fractal(samples), device=device)
     x, y, z = terrain.ground.centre
-    camera = tl.Camera((x, y, z + 3000), (x + 2000, y - 2000, z))
+    camera = tl.Camera((x, y, z + 3000), (x + 2000, y - 2000, z), fov=60)
     lod = tl.DistanceLod(maximum=_maximum_for_a_million(terrain, camera))
     tiles = terrain._tiles
     hull = partial(hull_on_device, tiles, lod, camera, cull=False)
@@ -106,7 +106,7 @@ def with_detail(samples: int, steps: int, device: tl.Device) -> None:
     stored = ground.with_detail(small)
     x, y, _ = ground.centre
     eye = tl.Terrain(ground, device=device).height_at([(x, y)])[0] + 300
-    camera = tl.Camera((x, y, eye), (x + 900, y + 900, eye - 200))
+    camera = tl.Camera((x, y, eye), (x + 900, y + 900, eye - 200), fov=60)
     terrains = {}
     for name, make in (
         ("detail", lambda: tl.Terrain(ground, detail=small, device=device)),

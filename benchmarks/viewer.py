@@ -43,7 +43,7 @@ def flight(window: Window, controls: Controls, frames: int) -> None:
     scene = window.model.scene
     rigs = [window.home.orbit(360 * number / frames, 0.0) for number in range(frames)]
     if isinstance(scene, TerrainScene):
-        rigs = [Rig.of(camera) for camera in flyover(scene.ground, frames)]
+        rigs = [Rig.of(camera) for camera in flyover(scene.ground, frames, fov=55)]
     times: dict[str, list[float]] = {}
     for number, rig in enumerate(rigs):
         begun = perf_counter()
@@ -167,7 +167,7 @@ def tour(controls: Controls) -> Iterator[Callable[[], None]]:
         for value in (*rest, first):
             yield lambda name=choice.name, value=value: window.change(name, value)
             # kernels are built for each tile size and edge rule
-            for name, stop in stops if choice.name == "edges" else ():
+            for name, stop in stops if choice.name == "edge_rule" else ():
                 yield lambda name=name, stop=stop: window.change(name, stop)
 
 
@@ -238,7 +238,7 @@ def resident() -> int:
 def scene(what: str) -> Scene:
     """Return bundled ground or what a file holds, to look at."""
     if what.endswith(".bpt"):
-        return scene_of(tl.load_bpt(what))
+        return scene_of(tl.curved.load_bpt(what))
     return scene_of(tl.sample(what) if what in tl.sample_names() else tl.load_mesh(what))
 
 

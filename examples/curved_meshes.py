@@ -1,4 +1,11 @@
-"""Before and after: five meshes curved, shaded and as wireframe, on one sheet."""
+"""Curved meshes
+=============
+
+Five meshes before and after their triangles are curved, shaded and as wireframe.
+
+Each row of the sheet shows a mesh, the same mesh curved, both of them as wireframe, and the mesh
+refined only where its outline is.
+"""
 
 import numpy as np
 import pyvista
@@ -6,11 +13,6 @@ from PIL import Image
 from pyvista import examples
 
 import terrain_lod as tl
-from terrain_lod.curved.patch_factors import SilhouetteFactor
-from terrain_lod.curved.smooth import pn_triangles
-from terrain_lod.drawing.render import render
-from terrain_lod.files.meshes.loading import load_mesh
-from terrain_lod.measure.cracks import crack_report
 
 SUN = (215.0, 45.0)
 
@@ -33,17 +35,17 @@ for name, path, sharp in (
     ("torus", "torus.vtk", True),
     ("cone, sharp from 60 degrees", "cone.vtk", 60.0),
 ):
-    mesh = load_mesh(path)
+    mesh = tl.load_mesh(path)
     camera = camera_at(mesh)
-    smooth = pn_triangles(mesh, 7, sharp=sharp)
-    outline = pn_triangles(mesh, lod=SilhouetteFactor(), camera=camera, sharp=sharp)
-    print(f"{name}: {mesh} -> {smooth}, {crack_report(smooth)}")
+    smooth = tl.pn_triangles(mesh, 7, sharp=sharp)
+    outline = tl.pn_triangles(mesh, lod=tl.curved.SilhouetteFactor(), camera=camera, sharp=sharp)
+    print(f"{name}: {mesh} -> {smooth}, {tl.crack_report(smooth)}")
     pictures = [
-        render(mesh, camera, style="plain", sun=SUN),
-        render(smooth, camera, style="plain", sun=SUN),
-        render(mesh, camera, style="wireframe"),
-        render(smooth, camera, style="wireframe"),
-        render(outline, camera, style="wireframe"),
+        tl.render(mesh, camera=camera, style="plain", sun=SUN),
+        tl.render(smooth, camera=camera, style="plain", sun=SUN),
+        tl.render(mesh, camera=camera, style="wireframe"),
+        tl.render(smooth, camera=camera, style="wireframe"),
+        tl.render(outline, camera=camera, style="wireframe"),
     ]
     rows.append(np.concatenate(pictures, axis=1))
 Image.fromarray(np.concatenate(rows)).save("curved_meshes.png")

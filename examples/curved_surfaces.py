@@ -1,25 +1,39 @@
-"""Surfaces without any ground: Bezier patches from a file, formulas, and a thread through space."""
+"""Curved surfaces
+===============
+
+Surfaces without any ground: Bézier patches from a file, formulas, and a thread through space.
+"""
 
 from pathlib import Path
 
 import numpy as np
+from PIL import Image
 
-from terrain_lod.curved.bezier import bezier
-from terrain_lod.curved.curves import curve
-from terrain_lod.curved.surfaces import surface
-from terrain_lod.measure.cracks import crack_report
+import terrain_lod as tl
+
+
+def seen(mesh: tl.Mesh) -> np.ndarray:
+    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+    middle, size = (low + high) / 2, np.linalg.norm(high - low)
+    eye = middle + size * np.array([0.4, -0.8, 0.55])
+    camera = tl.Camera(tuple(eye.tolist()), tuple(middle.tolist()), fov=45, size=(360, 300))
+    return tl.render(mesh, camera=camera, style="plain", sun=(215.0, 45.0), wireframe=True)
+
 
 # 24 bicubic patches of our own; any .bpt file of the Utah teapot does as well
-pot = bezier(Path(__file__).parent / "data" / "pot.bpt", factor=7.5)
-print(pot, crack_report(pot, closed=True))
+pot = tl.curved.bezier(Path(__file__).parent / "data" / "pot.bpt", factor=7.5)
+print(pot, tl.crack_report(pot, closed=True))
 pot.save("pot.glb")
+pictures = [seen(pot)]
 
 # the patches meet, and the surface closes, to the bit: watertight
 for name in ("torus", "klein", "seashell", "superquadric"):
-    mesh = surface(name, patches=(16, 8), factor=9)
-    print(name, mesh, crack_report(mesh))
+    mesh = tl.curved.surface(name, patches=(16, 8), factor=9)
+    print(name, mesh, tl.crack_report(mesh))
     mesh.save(f"{name}.glb")
+    pictures.append(seen(mesh))
+Image.fromarray(np.concatenate(pictures, axis=1)).save("curved_surfaces.png")
 
-knot = curve("torus_knot", p=2, q=5, tube=0.5)
+knot = tl.curved.curve("torus_knot", p=2, q=5, tube=0.5)
 length = np.linalg.norm(np.diff(knot.points, axis=0), axis=1).sum()
 print(knot, f"{length:.2f} long")

@@ -1,11 +1,14 @@
-"""A ring displaced by a map across its seams, and a ball that was shot at."""
+"""Displaced meshes
+================
+
+A ring that a map displaces across its seams, and a ball that was shot at.
+"""
 
 import numpy as np
 import pyvista
 from PIL import Image
 
 import terrain_lod as tl
-from terrain_lod.drawing.render import render
 
 
 def ring(columns: int = 48, rows: int = 24) -> tl.Mesh:
@@ -30,7 +33,7 @@ def seen(mesh: tl.Mesh, style: str = "plain") -> np.ndarray:
     middle, size = (low + high) / 2, np.linalg.norm(high - low)
     eye = middle + size * np.array([0.4, -0.85, 0.5])
     camera = tl.Camera(tuple(eye.tolist()), tuple(middle.tolist()), fov=42, size=(400, 320))
-    return render(mesh, camera, style=style, sun=(215.0, 45.0))
+    return tl.render(mesh, camera=camera, style=style, sun=(215.0, 45.0))
 
 
 # scales that overlap like those of a fish; twelve around, six along
@@ -38,7 +41,7 @@ y, x = np.mgrid[0:64, 0:64] / 64
 scales = np.maximum(1 - np.hypot(x - 0.5, y) * 1.6, 1 - np.hypot((x + 0.5) % 1 - 0.5, y - 0.5) * 2)
 scales = np.tile(np.clip(scales, 0, 1), (6, 12)).astype(np.float32)
 mesh = ring()
-factors = tl.variation_factors(mesh, scales, scale=0.25, tolerance=0.002, maximum=15)
+factors = tl.curved.variation_factors(mesh, scales, scale=0.25, tolerance=0.002, maximum=15)
 scaly = tl.displace(mesh, scales, factor=factors, scale=0.25)
 print(f"ring: {mesh} -> {scaly}, {tl.crack_report(scaly)}")
 
@@ -50,8 +53,8 @@ pyvista.Icosphere(nsub=3).save("ball.vtk")
 ball = tl.load_mesh("ball.vtk")
 random = np.random.default_rng(6)
 eyes, radii = random.normal(size=(40, 3)) * 9, random.uniform(0.05, 0.2, 40)
-shots = [tl.shoot(ball, eye, -eye, r, scale=r / 3) for eye, r in zip(eyes, radii, strict=True)]
-moon = tl.dent(ball, shots, crater, 15, curved=True)
+shots = tl.curved.shoot(ball, eyes, -eyes, radii, scale=radii / 3)
+moon = tl.curved.dent(ball, shots, crater, 15, curved=True)
 print(f"ball: {ball} -> {moon}, {tl.crack_report(moon)}")
 
 sheet = [np.concatenate([seen(m), seen(d), seen(d, "wireframe")], axis=1)

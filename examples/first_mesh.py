@@ -1,4 +1,8 @@
-"""Real ground, a camera, and the mesh that is off by at most a pixel, measured."""
+"""First mesh
+==========
+
+Real ground, a camera, and a mesh that is off by at most a pixel, measured.
+"""
 
 import terrain_lod as tl
 
@@ -12,3 +16,4 @@ print(tl.vertical_error(mesh, ground))
 print(tl.screen_error(mesh, ground, camera))
 print(tl.crack_report(mesh))
 mesh.save("jacksboro.glb")
+tl.render(mesh, "jacksboro.png", camera=camera)

@@ -1,10 +1,15 @@
-"""Sand ripples on dunes: a small map repeated over ground eight times as coarse, stored nowhere."""
+"""Ground with detail
+==================
+
+Sand ripples on dunes: a small map, repeated over ground that is eight times as coarse.
+
+The sum of both is stored nowhere. Left of the seam are the dunes alone, right of it with ripples.
+"""
 
 import numpy as np
 from PIL import Image
 
 import terrain_lod as tl
-from terrain_lod.drawing.render import render
 
 PERIOD, STEPS = 128, 8  # samples of the small map, and of those a cell of the dunes
 
@@ -33,7 +38,7 @@ halves = []
 for detail in (None, ripples):
     terrain = tl.Terrain(dunes, detail=detail)
     mesh = terrain.mesh(camera, lod=lod)
-    halves.append(render(mesh, camera, sun=(165, 28), height_range=dunes.height_range))
+    halves.append(tl.render(mesh, camera=camera, sun=(165, 28), height_range=dunes.height_range))
     rows, columns = terrain.grid.rows, terrain.grid.columns
     print(f"{rows} x {columns} samples: {mesh}, within {mesh.achieved.pixels:.2f} pixels")
 print(tl.screen_error(mesh, dunes.with_detail(ripples), camera))

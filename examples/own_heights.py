@@ -1,4 +1,8 @@
-"""Any array is ground: a function on a grid, with a hole in it, within a centimetre."""
+"""Your own heights
+================
+
+Any array is ground: here a function on a grid, with a hole in it, within a centimetre.
+"""
 
 import numpy as np
 
@@ -16,3 +20,5 @@ for metres in (0.01, 0.1, 1.0):
     error = tl.vertical_error(mesh, ground)
     print(f"asked {metres} m, got {error.maximum:.4f} m from {len(mesh.triangles)} triangles")
 mesh.save("ripples.ply")
+camera = tl.default_camera(ground, size=(1280, 720))
+tl.render(mesh, "ripples.png", camera=camera, wireframe=True)

@@ -1,8 +1,11 @@
-"""Fly over bundled ground: coplanarity LOD beside the error of a pixel, a picture a frame.
+"""Flyover
+=======
+
+Fly over bundled ground: coplanarity LOD beside an error of one pixel, a picture a frame. ::
 
     python examples/render_flyover.py flight --ground canyon --frames 120
 
-Stopped and started again, it goes on where it was.
+A flight that was stopped goes on where it was when it is started again.
 """
 
 from __future__ import annotations
@@ -17,7 +20,7 @@ from terrain_lod.drawing.flyover import Look, render_path
 
 def main() -> None:
     """Write the pictures."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description="Fly over bundled ground.")
     parser.add_argument("folder", type=Path)
     parser.add_argument("--ground", default="canyon", choices=tl.sample_names())
     parser.add_argument("--frames", type=int, default=120)

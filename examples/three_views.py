@@ -1,16 +1,20 @@
-"""One camera, three views side by side: the picture, its triangles, their level of detail."""
+"""Three views
+===========
+
+One camera and three views side by side: the picture, its triangles, their level of detail.
+"""
 
 import numpy as np
 from PIL import Image
 
 import terrain_lod as tl
-from terrain_lod.drawing.render import render
 
 ground = tl.sample("ridge")
 camera = tl.default_camera(ground, size=(1500, 640))
 mesh = tl.Terrain(ground).mesh(camera, lod=tl.ScreenErrorLod(pixels=0.7))
 
-views = {style: render(mesh, camera, style=style) for style in ("shaded", "wireframe", "lod")}
+styles = ("shaded", "wireframe", "lod")
+views = {style: tl.render(mesh, camera=camera, style=style) for style in styles}
 # slanted seams: where each view ends, row by row
 row, column = np.mgrid[:640, :1500]
 first, second = 560 + row // 6, 1000 + row // 6

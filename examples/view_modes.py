@@ -1,4 +1,7 @@
-"""What the viewer shows, rendered without a window: ground and a curved pot, a picture a mode.
+"""Modes of the viewer
+===================
+
+What the viewer shows, drawn without a window: ground and a curved pot, a picture a mode. ::
 
     python examples/view_modes.py [folder]
 
@@ -36,7 +39,7 @@ sheet(
     ground, tl.default_camera(ground, size=SIZE), [{"mode": mode} for mode in modes], "ground.png"
 )
 
-patches = tl.load_bpt(Path(__file__).parent / "data" / "pot.bpt")
+patches = tl.curved.load_bpt(Path(__file__).parent / "data" / "pot.bpt")
 camera = tl.Camera((0.5, -5.4, 3.9), (0.0, 0.0, 1.3), fov=45.0, size=SIZE)
 choices = [{"factor": 2.0}, {"factor": 9.0}, {"mode": "wireframe"}, {"mode": "normals"}]
 sheet(patches, camera, choices, "pot.png")

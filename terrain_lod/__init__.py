@@ -6,29 +6,21 @@
 >>> mesh = tl.Terrain(ground).mesh(camera, lod=tl.ScreenErrorLod(pixels=1.0))
 >>> mesh.save("ridge.glb")                                      # doctest: +SKIP
 >>> tl.vertical_error(mesh, ground)                             # doctest: +SKIP
+>>> tl.render(ground, "ridge.png")                              # doctest: +SKIP
+>>> tl.report(ground, "levels_of_detail")                       # doctest: +SKIP
 """
 
+from . import interrupts as interrupts  # first: Ctrl-C from here on
+
+# isort: split
+from . import curved
 from .camera.camera import Camera
 from .camera.viewpoint import default_camera
-from .curved.bezier import bezier
-from .curved.creases import split_at_creases
-from .curved.curved_mesh import CurvedMesh
-from .curved.curves import Polyline, curve
-from .curved.decals import Decal, dent, shoot
 from .curved.displaced import displace
-from .curved.displaced_maps import variation_factors
-from .curved.patch_factors import (
-    CurvatureFactor,
-    DistanceFactor,
-    LengthFactor,
-    OrientationFactor,
-    SilhouetteFactor,
-    UniformFactor,
-)
 from .curved.smooth import pn_triangles
-from .curved.surfaces import surface
 from .device.device import Device
 from .device.drivers import devices
+from .drawing.render import render
 from .errors import (
     DeviceError,
     DeviceMemoryError,
@@ -38,7 +30,6 @@ from .errors import (
     MissingExtraError,
     TerrainError,
 )
-from .files.meshes.bpt import load_bpt, save_bpt
 from .files.meshes.loading import load_mesh
 from .files.rasters.loading import load
 from .files.rasters.samples import sample, sample_names
@@ -56,20 +47,15 @@ from .measure.screen_error import (
 )
 from .mesh.hits import Hits
 from .mesh.mesh import Achieved, Mesh, Patches
-from .mesh.surface import Surface
+from .mesh.queries import MeshQueries
+from .numbered import Number, number
+from .reports.compare.compare import compare
+from .reports.compare.outcome import SweepReport
+from .reports.report import Report, report
 from .terrain.analysis import TileAnalysis, analyse
-from .terrain.lod import (
-    BudgetLod,
-    CoplanarityLod,
-    DistanceLod,
-    Lod,
-    MaxErrorLod,
-    PromiseLod,
-    ScreenAreaLod,
-    ScreenErrorLod,
-    UniformLod,
-    Weighted,
-)
+from .terrain.lod import Lod, PromiseLod, Scene, Weighted
+from .terrain.lod_formulas import CoplanarityLod, DistanceLod, ScreenAreaLod, UniformLod
+from .terrain.lod_promises import BudgetLod, MaxErrorLod, ScreenErrorLod
 from .terrain.terrain import Terrain
 from .tessellation.pattern import Pattern
 from .tessellation.semi_uniform import semi_uniform
@@ -82,68 +68,59 @@ __all__ = [
     "Camera",
     "CoplanarityLod",
     "CrackReport",
-    "CurvatureFactor",
-    "CurvedMesh",
-    "Decal",
     "Device",
     "DeviceError",
     "DeviceMemoryError",
-    "DistanceFactor",
     "DistanceLod",
     "FileError",
     "GraphicsError",
     "Heightmap",
     "Hits",
     "InputError",
-    "LengthFactor",
     "Lod",
     "MaxErrorLod",
     "Mesh",
+    "MeshQueries",
     "MissingExtraError",
-    "OrientationFactor",
+    "Number",
     "Patches",
     "Pattern",
-    "Polyline",
     "Pop",
     "PromiseLod",
+    "Report",
+    "Scene",
     "ScreenAreaLod",
     "ScreenError",
     "ScreenErrorLod",
-    "SilhouetteFactor",
-    "Surface",
+    "SweepReport",
     "Terrain",
     "TerrainError",
     "TileAnalysis",
-    "UniformFactor",
     "UniformLod",
     "VerticalError",
     "Weighted",
     "analyse",
-    "bezier",
+    "compare",
     "crack_report",
-    "curve",
+    "curved",
     "default_camera",
-    "dent",
     "devices",
     "displace",
     "load",
-    "load_bpt",
     "load_mesh",
     "normal_error",
+    "number",
     "patch_errors",
     "pn_triangles",
     "pop_metric",
+    "render",
+    "report",
     "sample",
     "sample_names",
-    "save_bpt",
     "screen_error",
     "semi_uniform",
-    "shoot",
     "silhouette_error",
-    "split_at_creases",
-    "surface",
     "tessellate",
-    "variation_factors",
     "vertical_error",
     "view",
 ]

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
+import numpy.typing as npt
 import pyvista
 
 from .ground.heightmap import Heightmap
@@ -34,16 +35,22 @@ class SurfaceAccessor:
         self._surface = surface
 
     def mesh(self) -> Mesh:
-        """Return the triangles as a mesh; its origin and CRS come from the field data, if there."""
+        """Return the triangles as a mesh; its origin and CRS come from the field data, if there.
+
+        Points that float32 would round, in UTM coordinates for one, are taken from the middle of
+        the surface, which the origin is moved to.
+        """
         surface = self._surface
         if not surface.is_all_triangles:
             surface = surface.triangulate()
         field, textures = surface.field_data, surface.point_data.active_texture_coordinates
+        vertices, shift = _near_zero(np.asarray(surface.points))
+        origin = np.array(field["origin"], np.float64) if "origin" in field else np.zeros(3)
         return Mesh(
-            vertices=np.asarray(surface.points, np.float32),
+            vertices=vertices,
             normals=np.asarray(_normals(surface), np.float32),
             triangles=np.asarray(surface.regular_faces, np.int32),
-            origin=np.array(field["origin"], np.float64) if "origin" in field else np.zeros(3),
+            origin=origin + shift,
             crs=str(np.atleast_1d(field["crs"])[0]) if "crs" in field else None,
             textures=None if textures is None else np.asarray(textures, np.float32),
         )
@@ -59,6 +66,16 @@ class SurfaceAccessor:
     def save(self, path: str | Path) -> Path:
         """Write the triangles to a file; see :meth:`terrain_lod.Mesh.save`."""
         return self.mesh().save(path)
+
+
+def _near_zero(points: npt.NDArray[Any]) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float64]]:
+    """Return points in float32, and what was taken off them so that they lose the least."""
+    rounded = np.asarray(points, np.float32)
+    if not len(points) or (rounded == points).all():
+        return rounded, np.zeros(3)
+    # whole numbers, so that the shift itself costs nothing
+    shift = np.round((points.min(axis=0) + points.max(axis=0)) / 2)
+    return np.asarray(points - shift, np.float32), shift
 
 
 def _normals(surface: Any) -> Any:

@@ -11,8 +11,10 @@ from .errors import InputError
 def finite(name: str, value: object) -> float:
     """Return `value` as a float, or say that a finite number was expected."""
     try:
+        if isinstance(value, str | bytes):  # float() would read them
+            raise TypeError
         number = float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(f"expected a number for {name}, got {value!r}") from None
     if not math.isfinite(number):
         raise InputError(f"expected a finite {name}, got {number}")

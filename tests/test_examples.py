@@ -23,4 +23,14 @@ def test_example(example: Path, tmp_path: Path) -> None:
     ran = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
     assert ran.returncode == 0, ran.stderr
     assert ran.stdout
-    assert 10 <= len(example.read_text(encoding="utf-8").splitlines()) <= 60
+    assert 10 <= len(example.read_text(encoding="utf-8").splitlines()) <= 70
+
+
+def test_the_guide_to_formulas_shows_what_the_examples_run() -> None:
+    guide = (EXAMPLES[0].parents[1] / "docs" / "own_lod.md").read_text(encoding="utf-8")
+    for name in ("slope.h", "upright.h", "egg.h"):
+        assert f"```c\n{(EXAMPLES[0].parent / name).read_text(encoding='utf-8')}```" in guide
+    example = (EXAMPLES[0].parent / "own_lod.py").read_text(encoding="utf-8")
+    for begin in ("@dataclass(frozen=True)\nclass SlopeLod", "def slope("):
+        code = example[example.index(begin) :].split("\n\n\n")[0]
+        assert f"```python\n{code}\n```" in guide

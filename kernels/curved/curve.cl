@@ -1,11 +1,11 @@
 // Curves over isolines laid end to end: position and unit tangent of every tessellated point.
 //
-// A curve is one header, curve_<name>.h, that defines
+// A curve is one header that defines
 //
 //     Bead curve(Parameter t, __global const float *shape)
 //
-// and one row of terrain_lod/curved/curves.py, which names its numbers: shape[RADIUS] is what was given for
-// radius. Where a curve closes, t = 1 is evaluated as t = 0.
+// and one ParametricCurve that names its numbers: shape[RADIUS] is what was given for radius. Where a
+// curve closes, t = 1 is evaluated as t = 0.
 //
 // Built with: GROUP work-items a piece, CURVE the header, CLOSED (0 or 1), the index of each number
 // of the shape.

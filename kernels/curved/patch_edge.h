@@ -1,6 +1,6 @@
 // What a tessellation-factor formula knows of an edge.
 //
-// A formula is one header, factor_*.h, that defines
+// A formula is one header that defines
 //
 //     float edge_factor(const CurvedEdge edge, const View view, __global const float *parameters)
 //

@@ -1,12 +1,12 @@
 // Parametric surfaces over a grid of quad patches: position and normal of every tessellated point.
 //
-//         u = 0        1         A surface is one header, surface_<name>.h, that defines
+//         u = 0        1         A surface is one header that defines
 //   v = 0  +---+---+---+
 //          | 0 | 1 | 2 |             Place surface(Parameter u, Parameter v,
 //          +---+---+---+                           __global const float *shape)
 //          | 3 | 4 | 5 |
-//   v = 1  +---+---+---+         and one row of terrain_lod/curved/surfaces.py, which names its numbers:
-//                                shape[RADIUS] is what was given for radius.
+//   v = 1  +---+---+---+         and one ParametricSurface that names its numbers: shape[RADIUS]
+//                                is what was given for radius.
 //
 // Where a surface closes, u = 1 is evaluated as u = 0, so that the seam has the same bits at both
 // sides; where it closes with a twist (Moebius, Klein) v is turned round, and the normal as well.

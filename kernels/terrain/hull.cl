@@ -93,8 +93,10 @@ __kernel void hull(const Grid grid, const View view, const int cull,
     for (int side = OWN; side <= SOUTH; ++side) {
         seen[side] = look_at(grid, patch, side, control_points, indices, planes, details);
         const float weight = weights[neighbour(grid, patch, side)];
-        lod[side] = isnan(seen[side].minimum) ? NAN
-                                              : weight * patch_lod(seen[side], view, parameters);
+        // a formula that has no answer gets a segment: a tile is left out for want of data alone
+        lod[side] = isnan(seen[side].minimum)
+                        ? NAN
+                        : weight * fmax(patch_lod(seen[side], view, parameters), 1.0f);
     }
 
     const bool empty = isnan(lod[OWN]);

@@ -16,6 +16,11 @@ from ..errors import InputError
 Point = tuple[float, float, float]
 Vectors = npt.NDArray[np.float64]
 
+FOV: Final = 45.0
+"""Degrees from the bottom of a picture to its top, unless said otherwise."""
+SIZE: Final = (1920, 1080)
+"""Width and height of a picture in pixels, unless said otherwise."""
+
 _FARTHEST: Final = 1e30  # squares of squares stay finite
 
 
@@ -47,26 +52,25 @@ class Camera:
     eye: Point
     target: Point
     up: Point = (0.0, 0.0, 1.0)
-    fov: float = 60.0
-    size: tuple[int, int] = (1920, 1080)
+    fov: float = FOV
+    size: tuple[int, int] = SIZE
     near: float = 0.1
     far: float = math.inf
     height: float | None = None
 
     def __post_init__(self) -> None:
         for name in ("eye", "target", "up"):
-            object.__setattr__(self, name, _point(name, getattr(self, name)))
-        if not 0 < finite("fov", self.fov) < 180:
+            object.__setattr__(self, name, point(name, getattr(self, name)))
+        object.__setattr__(self, "size", _size(self.size))
+        for name, check in (("fov", finite), ("near", positive), ("height", positive)):
+            if name != "height" or self.height is not None:
+                object.__setattr__(self, name, check(name, getattr(self, name)))
+        if not 0 < self.fov < 180:
             raise InputError(f"expected fov between 0 and 180 degrees, got {self.fov:g}")
-        if len(self.size) != 2:
-            raise InputError(f"expected a size of width and height, got {self.size!r}")
-        width, height = (whole("size", extent, 1, 2**20) for extent in self.size)
-        object.__setattr__(self, "size", (width, height))
-        positive("near", self.near)
-        if math.isnan(self.far) or self.far <= self.near:
+        if self.far != math.inf:
+            object.__setattr__(self, "far", finite("far", self.far))
+        if self.far <= self.near:
             raise InputError(f"expected far > near, got far {self.far:g} and near {self.near:g}")
-        if self.height is not None:
-            positive("height", self.height)
         if self.eye == self.target:
             raise InputError(f"expected a camera away from its target, got both at {self.eye}")
         view = np.subtract(self.target, self.eye)
@@ -151,15 +155,24 @@ class Camera:
         return record
 
 
-def _point(name: str, value: object) -> Point:
+def point(name: str, value: object) -> Point:
+    """Return `value` as finite x, y, z."""
     try:
         x, y, z = value  # type: ignore[misc]
     except (TypeError, ValueError):
         raise InputError(f"expected x, y, z for {name}, got {value!r}") from None
-    point = finite(name, x), finite(name, y), finite(name, z)  # type: ignore[has-type]
-    if max(map(abs, point)) > _FARTHEST:
-        raise InputError(f"expected {name} within {_FARTHEST:g} of the origin, got {point}")
-    return point
+    made = finite(name, x), finite(name, y), finite(name, z)  # type: ignore[has-type]
+    if max(map(abs, made)) > _FARTHEST:
+        raise InputError(f"expected {name} within {_FARTHEST:g} of the origin, got {made}")
+    return made
+
+
+def _size(value: object) -> tuple[int, int]:
+    try:
+        width, height = value  # type: ignore[misc]
+    except (TypeError, ValueError):
+        raise InputError(f"expected a size of width and height, got {value!r}") from None
+    return whole("size", width, 1, 2**20), whole("size", height, 1, 2**20)  # type: ignore[has-type]
 
 
 def _unit(vector: Vectors) -> Vectors:

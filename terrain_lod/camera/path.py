@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
-from scipy.interpolate import CubicSpline
-from scipy.ndimage import gaussian_filter, maximum_filter
 
 from ..arguments import whole
-from ..errors import FileError, InputError
 from ..ground.heightmap import Heightmap
-from .camera import Camera
+from .camera import FOV, SIZE, Camera
+from .camera_file import load_cameras
 from .viewpoint import default_camera
 
 _MOST: Final = 100_000  # pictures of a path
@@ -46,7 +43,7 @@ def orbit(ground: Heightmap, frames: int, *, camera: Camera | None = None) -> tu
 
 
 def flyover(
-    ground: Heightmap, frames: int, *, size: tuple[int, int] = (1920, 1080), fov: float = 55.0
+    ground: Heightmap, frames: int, *, size: tuple[int, int] = SIZE, fov: float = FOV
 ) -> tuple[Camera, ...]:
     """Return cameras of a flight from the south to the north, in gentle bends, above the summits.
 
@@ -59,6 +56,8 @@ def flyover(
     fov : float, optional
         Vertical, degrees.
     """
+    from scipy.interpolate import CubicSpline
+
     count = whole("frames", frames, 1, _MOST)
     width, depth = ground.extent
     diagonal = float(np.hypot(width, depth))
@@ -79,7 +78,7 @@ def flyover(
 def load_path(
     path: Path, frames: int, *, size: tuple[int, int] | None = None
 ) -> tuple[Camera, ...]:
-    """Return cameras through those of a JSON file: a list of objects with eye, target, up, fov.
+    """Return cameras through those of a JSON file, a list of objects with the fields of a Camera.
 
     Between them eye and target follow cubic splines, the rest straight lines; the first and the
     last are met exactly.
@@ -91,8 +90,10 @@ def load_path(
     InputError
         If it is no list of cameras.
     """
+    from scipy.interpolate import CubicSpline
+
     count = whole("frames", frames, 1, _MOST)
-    keys = _cameras(path)
+    keys = load_cameras(path)
     if size is not None:
         keys = [replace(key, size=size) for key in keys]
     if len(keys) == 1:
@@ -109,32 +110,12 @@ def load_path(
     )
 
 
-def _cameras(path: Path) -> list[Camera]:
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise FileError(f"cannot read {path}: {error.strerror}") from None
-    except ValueError as error:
-        raise InputError(f"expected JSON in {path}, got {error}") from None
-    if not isinstance(content, list) or not content:
-        raise InputError(f"expected a list of cameras in {path}, got {type(content).__name__}")
-    return [_camera(path, number, entry) for number, entry in enumerate(content)]
-
-
-def _camera(path: Path, number: int, entry: Any) -> Camera:
-    try:
-        return Camera(**{**entry, "size": tuple(entry.get("size", (1920, 1080)))})
-    except (TypeError, AttributeError):
-        raise InputError(
-            f"expected eye, target and perhaps up, fov, size for camera {number} of {path}, "
-            f"got {entry!r}"
-        ) from None
-
-
 def _summits(
     ground: Heightmap, x: npt.NDArray[np.float64], y: npt.NDArray[np.float64]
 ) -> npt.NDArray[np.float64]:
     """Return elevations above all ground near each point, without steps between neighbours."""
+    from scipy.ndimage import gaussian_filter, maximum_filter
+
     heights = np.where(ground.valid, ground.heights, ground.heights.min())
     reach = max(3, max(ground.shape) // 8)
     step = max(1, reach // 32)  # a flight needs no more

@@ -1,16 +1,20 @@
-"""A good place to look at ground from, when nobody names one."""
+"""A good place to look at ground or a mesh from, when nobody names one."""
 
 from __future__ import annotations
 
+from typing import Any, Final
+
 import numpy as np
+import numpy.typing as npt
 
 from ..ground.heightmap import Heightmap
-from .camera import Camera
+from .camera import FOV, SIZE, Camera
+
+# across, back and up from the middle of a mesh to the eye, in diagonals
+_EYE: Final = (0.5, -1.0, 0.6)
 
 
-def default_camera(
-    ground: Heightmap, *, fov: float = 45.0, size: tuple[int, int] = (1920, 1080)
-) -> Camera:
+def default_camera(ground: Heightmap, *, fov: float = FOV, size: tuple[int, int] = SIZE) -> Camera:
     """Return an oblique view over the ground: from its southern edge, looking north.
 
     The eye stands above the highest ground near it, so that the picture runs from the tiles at its
@@ -25,6 +29,17 @@ def default_camera(
     nearby = _highest_near(ground, eye, 0.20 * diagonal)
     height = max(target[2] + 0.16 * diagonal, nearby + 0.02 * diagonal)
     return Camera((*eye, height), target, fov=fov, size=size)
+
+
+def camera_around(
+    points: npt.NDArray[np.floating[Any]], origin: npt.ArrayLike = (0.0, 0.0, 0.0)
+) -> Camera:
+    """Return a view of all `points` (N, 3), relative to `origin`: from the south, above them."""
+    seen = points if len(points) else np.zeros((1, 3))
+    low, high = (bound.astype(np.float64) for bound in (seen.min(axis=0), seen.max(axis=0)))
+    middle, diagonal = (low + high) / 2 + origin, float(np.linalg.norm(high - low)) or 1.0
+    eye = middle + np.multiply(_EYE, diagonal)
+    return Camera(tuple(eye.tolist()), tuple(middle.tolist()))
 
 
 def _highest_near(ground: Heightmap, point: tuple[float, float], radius: float) -> float:

@@ -20,6 +20,7 @@ from ..curved.patch_factors import (
     OrientationFactor,
     SilhouetteFactor,
     UniformFactor,
+    checked_formula,
 )
 from ..curved.patched_mesh import PatchedMesh
 from ..curved.pn import (
@@ -44,7 +45,7 @@ from ..reference.curved import (
 )
 from ..tessellation.pattern import DevicePattern
 from ..tessellation.semi_uniform import semi_uniform_device
-from .checkup import Check
+from .checkup import Check, largest_difference
 
 Array = npt.NDArray[Any]
 
@@ -152,19 +153,49 @@ def check_pn_domain(device: Device) -> Check:
 
 def check_pn_edges(device: Device) -> Check:
     """Return the worst difference of a factor, over all formulas."""
-    case, diagonal, worst = _case(), 5.0, 0.0
-    mesh = case.upload(device)
+    worst = max(check_factor(formula, device=device).error for formula in _FORMULAS)
+    return Check(worst, _SEGMENTS, "segments")
+
+
+def check_factor(
+    formula: EdgeFactor,
+    reference: patch_factors.Formula | None = None,
+    *,
+    device: Device | None = None,
+) -> Check:
+    """Compare what a formula's header computes with its reference, on crumpled sheets.
+
+    Parameters
+    ----------
+    formula : EdgeFactor
+    reference : callable, optional
+        ``(edge, view, parameters) -> segments`` in float64: see
+        :class:`terrain_lod.reference.curved.patch_factors.Edge`. Default: that of a header of
+        ``kernels/``.
+    device : Device, optional
+
+    Returns
+    -------
+    Check
+        ``error`` is the worst difference of a factor, in segments; ``bound`` what rounding allows.
+
+    Raises
+    ------
+    InputError
+        If `formula` is none for edges.
+    """
+    checked_formula(formula)
+    case, diagonal, device = _case(), 5.0, device or Device.open()
     corners, surface = case.triangles, (case.positions64, case.normals64, case.controls)
     edges = [
         patch_factors.edge_of(corners, case.adjacency.patches, places, *surface)
         for places in case.adjacency.sides
     ]
-    for formula in _FORMULAS:
-        found = edge_factors_on_device(mesh, formula, diagonal, case.view).host()
-        reference = patch_factors.FORMULAS[formula.header]
-        parameters = formula.parameters(diagonal)
-        expected = [reference(edge, case.view, parameters) for edge in edges]
-        worst = max(worst, float(np.abs(found - np.array(expected)).max()))
+    found = edge_factors_on_device(case.upload(device), formula, diagonal, case.view).host()
+    reference = reference or patch_factors.FORMULAS[formula.header]
+    parameters = formula.parameters(diagonal)
+    expected = [reference(edge, case.view, parameters) for edge in edges]
+    worst = largest_difference(found, np.array(expected, np.float64))
     return Check(worst, _SEGMENTS, "segments")
 
 

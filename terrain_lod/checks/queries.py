@@ -7,8 +7,8 @@ import numpy as np
 from ..device.device import Device
 from ..mesh.hits import checked_rays
 from ..mesh.mesh import Mesh
-from ..mesh.surface import Surface
-from ..reference.mesh import surface as queries_mesh
+from ..mesh.queries import MeshQueries
+from ..reference.mesh import queries as queries_mesh
 from ..reference.terrain import queries as queries_ground
 from ..terrain.queries import heights_on_device, rays_on_device
 from .checkup import Array, Check, largest_difference
@@ -43,7 +43,7 @@ def check_queries_mesh(device: Device) -> Check:
         random.integers(0, len(corners), (200, 3)).astype(np.int32),
         origin=np.array(case.origin),
     )
-    surface = Surface(mesh, device=device)
+    surface = MeshQueries(mesh, device=device)
     points, (origins, directions) = _asked(case)
     found = surface.height_at(points)
     differences = [largest_difference(found, queries_mesh.heights(mesh, points))]

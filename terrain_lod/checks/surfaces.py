@@ -9,9 +9,10 @@ import numpy.typing as npt
 
 from ..curved.bezier import bezier
 from ..curved.curves import CURVES, curve
-from ..curved.surfaces import SURFACES, surface
+from ..curved.surfaces import SURFACES, ParametricSurface, surface
 from ..device.device import Device
 from ..device.layout import FIXED_ONE
+from ..numbered import defaults_of
 from ..reference.curved import bezier as bezier_reference
 from ..reference.curved import surfaces as surfaces_reference
 from ..reference.tessellation import semi_uniform as semi_uniform_reference
@@ -71,25 +72,58 @@ def check_bezier(device: Device) -> Check:
 
 
 def check_surface(device: Device) -> Check:
-    differences = []
+    worst = max(
+        # differences of positions say nothing where a power leaves an edge
+        check_shape(
+            row, surfaces_reference.SURFACES[name], name != "superquadric", device=device
+        ).error
+        for name, row in SURFACES.items()
+    )
+    return Check(worst, _LENGTH, "units")
+
+
+def check_shape(
+    shape: ParametricSurface,
+    reference: surfaces_reference.Formula,
+    normals: bool = True,
+    *,
+    device: Device | None = None,
+) -> Check:
+    """Compare what a surface's header computes with its reference, over one patch.
+
+    Parameters
+    ----------
+    shape : ParametricSurface
+        All its numbers have defaults.
+    reference : callable
+        ``(u, v, numbers) -> x, y, z`` in float64, u and v from 0 to 1 and a little beyond.
+    normals : bool, optional
+        Compare normals as well, with the reference's differences; poles are left out.
+    device : Device, optional
+
+    Returns
+    -------
+    Check
+        ``error`` is the worst difference, in the surface's unit of length; ``bound`` what rounding
+        explains of lengths near ten.
+    """
     factors = (np.full((1, width), 9.5) for width in (4, 2))
     u, v = tessellate("quad", *factors, device=device).points.T / FIXED_ONE
-    for name, row in SURFACES.items():
-        numbers = {key: number.default for key, number in row.numbers.items()}
-        found = surface(name, patches=(1, 1), factor=9.5, device=device)
-        positions, normals = surfaces_reference.surface(name, u, v, numbers)
-        # differences of positions say nothing at poles and where a power leaves an edge
-        smooth = ~np.isnan(normals).any(axis=1) & (name != "superquadric")
-        differences.append(largest_difference(found.vertices, positions))
-        differences.append(largest_difference(found.normals[smooth], normals[smooth]))
-    return Check(max(differences), _LENGTH, "units")
+    found = surface(shape, patches=(1, 1), factor=9.5, device=device)
+    positions, expected = surfaces_reference.surface(reference, u, v, defaults_of(shape.numbers))
+    smooth = ~np.isnan(expected).any(axis=1) & normals
+    worst = max(
+        largest_difference(found.vertices, positions),
+        largest_difference(found.normals[smooth], expected[smooth]),
+    )
+    return Check(worst, _LENGTH, "units")
 
 
 def check_curve(device: Device) -> Check:
     differences = []
     t = tessellate("isoline", [[1, 40]], partitioning="integer", device=device).points[:, 0]
     for name, row in CURVES.items():
-        numbers = {key: number.default for key, number in row.numbers.items()}
+        numbers = defaults_of(row.numbers)
         found = curve(name, pieces=1, factor=40, device=device)
         positions, tangents = surfaces_reference.curve(name, t / FIXED_ONE, numbers)
         differences.append(largest_difference(found.points, positions))

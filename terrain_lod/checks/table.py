@@ -41,6 +41,6 @@ CHECKS: Final[Checks] = {
     "curved/amplify": amplify.check_amplify,
     "measure/vertical_error": terrain.check_vertical_error,
     "terrain/queries": queries.check_queries_ground,
-    "mesh/surface": queries.check_queries_mesh,
+    "mesh/queries": queries.check_queries_mesh,
     "common/bandwidth": tessellator.check_bandwidth,
 }

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from ..camera.camera import Camera
 from ..device.device import Device
 from ..device.layout import DEFAULT_TILE, FIXED_ONE
+from ..errors import InputError
 from ..ground.grid import TileGrid
 from ..ground.heightmap import Heightmap
 from ..ground.relief import Relief
@@ -23,19 +24,15 @@ from ..reference.terrain import (
     holes,
     hull,
 )
+from ..reference.terrain.lod import Formula
 from ..terrain.analysis import PLANES, analyse_on_device
 from ..terrain.buffers import DeviceAnalysis, DeviceGround
 from ..terrain.control_points import patches_on_device
 from ..terrain.domain import displace_on_device
 from ..terrain.holes import without_holes_on_device
 from ..terrain.hull import EDGE_RULES, hull_on_device
-from ..terrain.lod import (
-    CoplanarityLod,
-    DistanceLod,
-    Lod,
-    ScreenAreaLod,
-    UniformLod,
-)
+from ..terrain.lod import Lod
+from ..terrain.lod_formulas import CoplanarityLod, DistanceLod, ScreenAreaLod, UniformLod
 from ..terrain.tiles import DeviceTiles
 from ..tessellation.pattern import DevicePattern
 from .checkup import Check, largest_difference, unequal_rows
@@ -138,29 +135,48 @@ def check_control_points(device: Device) -> Check:
 
 
 def check_hull(device: Device) -> Check:
-    differences = []
+    worst = max(check_lod(lod, device=device).error for lod in _LODS)
+    return Check(worst, _SEGMENTS, "segments")
+
+
+def check_lod(lod: Lod, reference: Formula | None = None, *, device: Device | None = None) -> Check:
+    """Compare what a level of detail's header computes with its reference, on rough ground.
+
+    Parameters
+    ----------
+    lod : Lod
+    reference : callable, optional
+        ``(patch, parameters) -> segments`` in float64: see
+        :class:`terrain_lod.reference.terrain.lod.Patch`. Default: that of a header of ``kernels/``.
+    device : Device, optional
+
+    Returns
+    -------
+    Check
+        ``error`` is the worst difference of a factor, in segments; ``bound`` what rounding allows.
+
+    Raises
+    ------
+    InputError
+        If `lod` has no header.
+    """
+    if not isinstance(lod, Lod):
+        raise InputError(f"expected a level of detail with a header, got {lod!r}")
+    device, differences = device or Device.open(), []
     for case in cases():
         ground, grid = case.ground, case.grid
         x, y, z = ground.centre
         camera = Camera((x - 300, y - 400, z + 500), (x + 500, y + 700, z), far=5e4)
         eye, tiles = np.subtract(camera.eye, case.origin), case.tiles(device)
-        for lod in _LODS:
-            for edges in EDGE_RULES:
-                found = hull_on_device(tiles, lod, camera, edges=edges)
-                planes = camera.planes(case.origin)
-                edge, inside = hull.factors(
-                    ground,
-                    grid,
-                    case.fits,
-                    lod,
-                    tiles.scene,
-                    eye,
-                    planes,
-                    edges=edges,
-                    camera=camera,
-                )
-                differences.append(largest_difference(found.edge.host(), edge))
-                differences.append(largest_difference(found.inside.host(), inside))
+        planes = camera.planes(case.origin)
+        for edges in EDGE_RULES:
+            found = hull_on_device(tiles, lod, camera, edge_rule=edges)
+            looked: dict[str, Any] = {"edge_rule": edges, "camera": camera, "formula": reference}
+            edge, inside = hull.factors(
+                ground, grid, case.fits, lod, tiles.scene, eye, planes, **looked
+            )
+            differences.append(largest_difference(found.edge.host(), edge))
+            differences.append(largest_difference(found.inside.host(), inside))
     return Check(max(differences), _SEGMENTS, "segments")
 
 
@@ -208,7 +224,10 @@ def _unlike_holes(case: Case, device: Device) -> float:
     )
     found = without_holes_on_device(case.tiles(device).patch_set, pattern)
     expected = triangles[holes.kept(case.ground, case.grid, points, triangles, patch)]
-    return unequal_rows(found.primitives.host(), expected)
+    used_points, corners = holes.with_used_points(points, expected)
+    return unequal_rows(found.primitives.host(), corners) + unequal_rows(
+        found.points.host(), used_points
+    )
 
 
 def check_vertical_error(device: Device) -> Check:

@@ -18,14 +18,16 @@ from cyclopts.config import Env
 
 from ..arguments import one_of
 from ..errors import TerrainError
+from ..ground.heightmap import Heightmap
+from ..interrupts import INTERRUPTED, end, raise_interrupts
 from ..paths import require_folder
 from .flyover import PathOptions
+from .lod_options import LodOptions, own_formulas
 from .options import (
     CameraOptions,
-    DetailOptions,
     Ground,
     GroundOptions,
-    LodOptions,
+    MeshingOptions,
     OverlayOptions,
     Sun,
     TerrainOptions,
@@ -46,7 +48,6 @@ from .smooth import smooth
 from .view import view
 
 REFUSED: Final = 2
-INTERRUPTED: Final = 130
 
 app = App(
     name=PROGRAM,
@@ -78,8 +79,6 @@ def demo(
 
     Parameters
     ----------
-    ground
-        A raster file or the name of a bundled sample.
     output
         Folder to write, made if it is not there.
     """
@@ -114,7 +113,7 @@ def render(
     overlay: OverlayOptions = OverlayOptions(),  # noqa: B008
     view: CameraOptions = CameraOptions(),  # noqa: B008
     lod: LodOptions = LodOptions(),  # noqa: B008
-    detail: DetailOptions = DetailOptions(),  # noqa: B008
+    meshing: MeshingOptions = MeshingOptions(),  # noqa: B008
     terrain: TerrainOptions = TerrainOptions(),  # noqa: B008
     many: PathOptions = PathOptions(),  # noqa: B008
 ) -> None:
@@ -122,8 +121,6 @@ def render(
 
     Parameters
     ----------
-    ground
-        A raster file or the name of a bundled sample.
     output
         PNG to write; a folder with --path, --orbit or --flyover.
     style
@@ -133,13 +130,12 @@ def render(
         Where the light comes from: degrees clockwise from north, degrees above the horizon.
     """
     from ..drawing.graphics import require_graphics
-    from ..drawing.render import render as draw
-    from ..drawing.render import require_png
+    from ..drawing.picture import draw, require_png, save_png
 
     if not many.many:
         require_png(output)
-    chosen = detail.make(lod.lod, terrain.tile, lod.factor)
-    beside = many.second(detail, terrain.tile)
+    chosen = lod.make(terrain.tile, *filter(None, [many.beside]))
+    beside = many.second(lod, terrain.tile)
     require_graphics()
     heights, added = reading.load(ground), overlay.load()
     camera = view.over(heights)
@@ -147,12 +143,12 @@ def render(
     options: dict[str, Any] = {"style": style} if sun is None else {"style": style, "sun": sun}
     if many.many:
         made = terrain.make(heights, added)
-        return many.render(made, camera, output, [chosen, *beside], lod.edges, **options)
-    options |= {"drape": many.drape(heights), "edges": many.wireframe}
-    mesh = terrain.make(heights, added).mesh(camera, lod=chosen, edges=lod.edges)
+        return many.render(made, camera, output, [chosen, *beside], meshing, **options)
+    options |= {"drape": many.drape(heights), "wireframe": many.wireframe}
+    mesh = terrain.make(heights, added).mesh(camera, lod=chosen, **vars(meshing))
     log("%r from %r", mesh, chosen)
-    draw(mesh, camera, output, height_range=heights.height_range, **options)
-    say(f"{output}: {_counts(mesh)}")
+    save_png(draw(mesh, camera, height_range=heights.height_range, **options), output)
+    say(f"{output}: {_counts(mesh, heights)}")
     return None
 
 
@@ -167,19 +163,18 @@ def mesh(
     overlay: OverlayOptions = OverlayOptions(),  # noqa: B008
     view: CameraOptions = CameraOptions(),  # noqa: B008
     lod: LodOptions = LodOptions(),  # noqa: B008
-    detail: DetailOptions = DetailOptions(),  # noqa: B008
+    meshing: MeshingOptions = MeshingOptions(),  # noqa: B008
     terrain: TerrainOptions = TerrainOptions(),  # noqa: B008
 ) -> None:
     """Write the mesh that a camera deserves, and say how far it is from the ground.
 
     Parameters
     ----------
-    ground
-        A raster file or the name of a bundled sample.
     output
         File to write: .glb, .obj, .ply, .stl or .vtp.
     cull
-        Leave out patches that the camera does not see.
+        Leave out patches that the camera does not see. Files are looked at from anywhere, so that
+        they are whole by default.
     """
     from ..files.meshes.export import FORMATS
     from ..measure.cracks import crack_report
@@ -187,14 +182,14 @@ def mesh(
 
     require_folder(output)
     one_of("mesh format", output.suffix.lower(), FORMATS)
-    chosen = detail.make(lod.lod, terrain.tile, lod.factor)
+    chosen = lod.make(terrain.tile)
     heights, added = reading.load(ground), overlay.load()
     camera = view.over(heights)
     log("%r", heights)
-    made = terrain.make(heights, added).mesh(camera, lod=chosen, edges=lod.edges, cull=cull)
+    made = terrain.make(heights, added).mesh(camera, lod=chosen, cull=cull, **vars(meshing))
     log("%r from %r", made, chosen)
     made.save(output)
-    say(f"{output}: {_counts(made)}")
+    say(f"{output}: {_counts(made, heights)}")
     shown = heights if added is None else heights.with_detail(added)
     say(f"vertical error: {vertical_error(made, shown, device=terrain.open())}")
     say(str(crack_report(made)))
@@ -211,7 +206,8 @@ def samples() -> None:
         low, high = ground.height_range
         size = " × ".join(f"{extent:,}" for extent in ground.shape)
         spacing = " × ".join(f"{step:.4g}" for step in dict.fromkeys(ground.spacing))
-        rows.append((name, size, f"{spacing} m", f"{low:,.0f} to {high:,.0f} m"))
+        across, up = ground.unit_symbols
+        rows.append((name, size, f"{spacing} {across}", f"{low:,.0f} to {high:,.0f} {up}"))
     say_table(("name", "samples", "spacing", "heights"), rows)
 
 
@@ -229,21 +225,21 @@ app.command(smooth, sort_key=8)
 app.command(pattern, sort_key=9)
 
 
-def _counts(mesh: Any) -> str:
+def _counts(mesh: Any, ground: Heightmap) -> str:
     patches = mesh.patches
-    kept = f", {_achieved(mesh.achieved)}" if mesh.achieved else ""
+    kept = f", {_achieved(mesh.achieved, ground.unit_symbols[1])}" if mesh.achieved else ""
     return (
         f"{len(mesh.triangles):,} triangles, {len(mesh.vertices):,} vertices, "
         f"{patches.culled_count:,} of {patches.count:,} patches left out{kept}"
     )
 
 
-def _achieved(achieved: Any) -> str:
+def _achieved(achieved: Any, unit: str) -> str:
     """Say what a promise came to, and whether that is what was asked for."""
     seen = achieved.pixels is not None and isfinite(achieved.pixels)
     pixels = f"{achieved.pixels:.3g} pixels, " if seen else ""
     missed = "" if achieved.kept else ": the best that this raster and tile can show"
-    return f"within {pixels}{achieved.metres:.3g} m{missed}"
+    return f"within {pixels}{achieved.metres:.3g} {unit}{missed}"
 
 
 @app.meta.default
@@ -268,9 +264,10 @@ def _launch(
 def run(tokens: Sequence[str]) -> int:
     """Run the command line `tokens` and return the exit code."""
     try:
-        result = app.meta(
-            tokens, exit_on_error=False, print_error=False, result_action="return_value"
-        )
+        with own_formulas(tokens):
+            result = app.meta(
+                tokens, exit_on_error=False, print_error=False, result_action="return_value"
+            )
         sys.stdout.flush()
     except (TerrainError, CycloptsError) as error:
         complain(" ".join(str(error).split()))
@@ -290,4 +287,8 @@ def run(tokens: Sequence[str]) -> int:
 
 def main() -> None:
     """Run the command line and leave."""
-    sys.exit(run(sys.argv[1:]))
+    raise_interrupts()
+    code = run(sys.argv[1:])
+    if code == INTERRUPTED:
+        end()
+    sys.exit(code)

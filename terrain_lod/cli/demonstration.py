@@ -17,7 +17,7 @@ from ..measure.cracks import crack_report
 from ..measure.error import vertical_error
 from ..paths import require_made
 from ..reports.report import report
-from ..terrain.lod import CoplanarityLod
+from ..terrain.lod_formulas import CoplanarityLod
 from ..terrain.terrain import Terrain
 
 _CONTENTS: Final = {
@@ -56,7 +56,7 @@ class Demo:
 
 def make_demo(
     ground: Heightmap,
-    directory: str | Path,
+    folder: str | Path,
     *,
     tile: int = DEFAULT_TILE,
     plane: str = "least_squares",
@@ -68,7 +68,7 @@ def make_demo(
     Parameters
     ----------
     ground : Heightmap
-    directory : str or Path
+    folder : str or Path
         Made if it is not there.
     tile : int, optional
     plane : {"least_squares", "corners"}, optional
@@ -85,21 +85,22 @@ def make_demo(
     InputError
         If an option is not one of these.
     FileError
-        If the directory or a file cannot be written.
+        If the folder or a file cannot be written.
     """
     device = device or Device.open()
     camera = default_camera(ground)
     terrain = Terrain(ground, tile=tile, plane=plane, device=device)
     mesh = terrain.mesh(camera, lod=CoplanarityLod(), cull=False)
-    folder = require_made(Path(directory))
+    folder = require_made(Path(folder))
     path = mesh.save(folder / f"{ground.name}.glb")
     sound = "cracks in it" if crack_report(mesh) else "watertight"
     error = vertical_error(mesh, ground, device=device)
-    rows = [_row(path, f"mesh: {len(mesh.triangles):,} triangles, {sound}, RMS {error.rms:.3g} m")]
+    rms = f"RMS {error.rms:.3g} {ground.unit_symbols[1]}"
+    rows = [_row(path, f"mesh: {len(mesh.triangles):,} triangles, {sound}, {rms}")]
     problem = graphics_problem()
     if problem is None:
         path = folder / f"{ground.name}.png"
-        render(mesh, camera, path, height_range=ground.height_range)
+        render(mesh, path, camera=camera, height_range=ground.height_range)
         rows.append(_row(path, "picture of it"))
     made = report(
         ground, folder, camera=camera, tile=tile, plane=plane, device=device, progress=progress

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 from cyclopts import Group, Parameter
 
 from ..camera.camera import Camera
 from ..errors import InputError
 from ..ground.heightmap import Heightmap
-from ..terrain.lod import Lod, PromiseLod, ScreenErrorLod
+from ..terrain.lod import AnyLod, Lod, PromiseLod
 from ..terrain.terrain import Terrain
-from .options import DetailOptions
+from .lod_options import LodOptions
+from .options import MeshingOptions
 from .output import progress_bar, say
 
 if TYPE_CHECKING:
@@ -34,10 +35,11 @@ class PathOptions:
     """Once around the target."""
     flyover: _Switch = False
     """Across the ground from the south to the north."""
-    frames: int = 120
+    frames: int = 60
     """How many pictures. Those that are there already are not made again."""
-    beside: Literal["coplanarity", "distance", "uniform", "screen-error"] | None = None
-    """A second LOD, shown beside the first; screen-error keeps one pixel."""
+    beside: Annotated[str | None, Parameter(metavar="NAME")] = None
+    """A second level of detail, shown beside the first: a name as for --lod. It takes those options
+    that it knows, without weights."""
     texture: Annotated[Path | None, Parameter(metavar="FILE")] = None
     """Picture laid over the ground in place of tints, row 0 north."""
     wireframe: _Switch = False
@@ -65,21 +67,17 @@ class PathOptions:
             return orbit(terrain.ground, self.frames, camera=camera)
         return flyover(terrain.ground, self.frames, size=camera.size)
 
-    def second(self, detail: DetailOptions, tile: int) -> list[Lod | PromiseLod]:
-        """Return the LOD that is shown beside the first, with those options that it takes."""
-        if self.beside is None:
-            return []
-        if self.beside == "screen-error":
-            return [ScreenErrorLod()]
-        return [detail.taken_by(self.beside).make(self.beside, tile, None)]
+    def second(self, options: LodOptions, tile: int) -> list[Lod | PromiseLod]:
+        """Return the level of detail that is shown beside the first, if any."""
+        return [] if self.beside is None else [options.beside(self.beside, tile)]
 
     def render(
         self,
         terrain: Terrain,
         camera: Camera,
         folder: Path,
-        lods: list[Lod | PromiseLod],
-        edges: str | None,
+        lods: list[AnyLod],
+        meshing: MeshingOptions,
         **look: Any,
     ) -> None:
         """Write the pictures."""
@@ -87,11 +85,17 @@ class PathOptions:
 
         cameras = self.cameras(terrain, camera)
         chosen = Look(
-            drape=self.drape(terrain.ground), edges=self.wireframe, counts=self.counts, **look
+            drape=self.drape(terrain.ground), wireframe=self.wireframe, counts=self.counts, **look
         )
         with progress_bar("drawing") as progress:
             paths = render_path(
-                terrain, cameras, folder, lods=lods, look=chosen, edges=edges, progress=progress
+                terrain,
+                cameras,
+                folder,
+                lods=lods,
+                look=chosen,
+                progress=progress,
+                **vars(meshing),
             )
         say(f"{folder}: {len(paths)} pictures")
 

@@ -2,37 +2,31 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 
 from cyclopts import Group, Parameter, Token
 
-from ..arguments import whole
 from ..camera.camera import Camera, Point
+from ..camera.camera_file import load_camera
 from ..camera.viewpoint import default_camera
-from ..device.layout import MAX_TILE
 from ..errors import FileError, InputError
 from ..ground.heightmap import Heightmap
 
 if TYPE_CHECKING:
     from ..device.device import Device
-    from ..terrain.lod import (
-        CoplanarityLod,
-        DistanceLod,
-        Lod,
-        PromiseLod,
-    )
     from ..terrain.terrain import Terrain
 
 
-def numbers(form: str, *counts: int) -> Parameter:
-    """Return how one token such as ``500000,4000000,1200`` or ``1920x1080`` is read."""
+def numbers(form: str, *counts: int, word: str | None = None) -> Parameter:
+    """Return how one token such as ``500000,4000000,1200`` or ``1920x1080`` is read, or a word."""
 
-    def convert(_: Any, tokens: Sequence[Token]) -> tuple[float, ...]:
+    def convert(_: Any, tokens: Sequence[Token]) -> tuple[float, ...] | str:
         text = tokens[0].value
+        if word is not None and text == word:
+            return text
         try:
             values = tuple(float(part) for part in text.replace("x", ",").split(","))
         except ValueError:
@@ -47,15 +41,21 @@ def numbers(form: str, *counts: int) -> Parameter:
 _Point = Annotated[Point | None, numbers("X,Y,Z", 3)]
 _Size = Annotated[tuple[int, int] | None, numbers("WIDTHxHEIGHT", 2)]
 _Spacing = Annotated[tuple[float, ...] | None, numbers("DX[,DY]", 1, 2)]
+_Bounds = Annotated[tuple[float, float, float, float] | None, numbers("WEST,SOUTH,EAST,NORTH", 4)]
+_Window = Annotated[tuple[float, float, float, float] | None, numbers("COLUMN,ROW,WIDTH,HEIGHT", 4)]
+_GroundSpacing = Annotated[
+    tuple[float, ...] | Literal["map"] | None, numbers("DX[,DY]|map", 1, 2, word="map")
+]
 _Range = Annotated[tuple[float, float] | None, numbers("LOW,HIGH", 2)]
 Sun = Annotated[tuple[float, float] | None, numbers("AZIMUTH,ELEVATION", 2)]
 
-Ground = Annotated[str, Parameter(metavar="GROUND")]
-"""A raster file, or the name of a bundled sample."""
+Ground = Annotated[
+    str, Parameter(metavar="GROUND", help="A raster file or the name of a bundled sample.")
+]
 
 _GROUND: Final = Group("Ground", sort_key=1)
 _CAMERA: Final = Group("Camera", sort_key=2)
-_DETAIL: Final = Group("Level of detail", sort_key=3)
+DETAIL: Final = Group("Level of detail", sort_key=3)
 _WORK: Final = Group("Tiles and device", sort_key=4)
 
 
@@ -64,12 +64,25 @@ _WORK: Final = Group("Tiles and device", sort_key=4)
 class GroundOptions:
     """How to read the ground."""
 
-    spacing: _Spacing = None
-    """Distance between samples in world units, instead of what the file says."""
+    spacing: _GroundSpacing = None
+    """Distance between samples in world units, instead of what the file says; map takes the
+    file's numbers, however much its map is stretched."""
     height_range: _Range = None
     """Heights that the lowest and the highest value of an image stand for."""
     nodata: float | None = None
     """Value that stands for no data, instead of what the file says."""
+    bounds: _Bounds = None
+    """Read only the samples within these, in the file's own CRS."""
+    window: _Window = None
+    """Read only these samples of the file."""
+    overview: int | None = None
+    """Read a smaller version that the file holds; 0 is the largest of them."""
+    band: int | None = None
+    """Which band holds the heights, from 1."""
+    z_unit: str | None = None
+    """Unit of the file's heights, such as foot, instead of what the file says."""
+    z_scale: float | None = None
+    """A number of the file times this is a height, in z-unit or else in the unit of x and y."""
 
     def load(self, name: str) -> Heightmap:
         """Return the ground called `name`: a file if there is one, else a bundled sample."""
@@ -142,129 +155,22 @@ class CameraOptions:
     def instead_of(self, camera: Camera) -> Camera:
         """Return the camera; what is not given comes from `camera`."""
         if self.camera is not None:
-            camera = _camera_file(self.camera)
+            camera = load_camera(self.camera)
         given = {name: value for name, value in vars(self).items() if value is not None}
         given.pop("camera", None)
         return replace(camera, **given)
 
 
-def _camera_file(path: Path) -> Camera:
-    """Return the camera that a JSON file holds, alone or under the key ``camera``."""
-    try:
-        content = json.loads(path.read_text())
-    except OSError as error:
-        raise FileError(f"cannot read {path}: {error.strerror}") from None
-    except ValueError as error:
-        raise FileError(f"expected JSON in {path}, got {error}") from None
-    content = content.get("camera", content) if isinstance(content, dict) else content
-    known = [field.name for field in fields(Camera)]
-    if not isinstance(content, dict) or not {"eye", "target"} <= content.keys() <= set(known):
-        found = ", ".join(content) if isinstance(content, dict) else type(content).__name__
-        raise InputError(f"expected a camera ({', '.join(known)}) in {path}, got {found}")
-    content = {key: value for key, value in content.items() if value is not None}
-    if "size" in content:
-        content["size"] = tuple(content["size"])
-    return Camera(**content)
-
-
-LodName = Literal["screen-error", "max-error", "budget", "coplanarity", "distance", "uniform"]
-FormulaEdgeRule = Annotated[Literal["min", "max"], Parameter(group=_DETAIL)]
-
-
-@Parameter(name="*", group=_DETAIL)
+@Parameter(name="*", group=DETAIL)
 @dataclass(frozen=True)
-class DetailOptions:
-    """What levels of detail are made with."""
+class MeshingOptions:
+    """How factors become triangles."""
 
-    pixels: float | None = None
-    """Error in the picture: to keep, of screen-error (default: 1); good enough, of budget."""
-    metres: float | None = None
-    """Vertical error: to keep, of max-error; good enough, of budget, which then goes by it."""
-    triangles: int | None = None
-    """The most triangles. Of budget alone."""
-    near: float | None = None
-    """Distance with the most detail. Default: 0."""
-    far: float | None = None
-    """Distance with the least detail. Default: the diagonal of the ground."""
-    minimum: float | None = None
-    """Factor at the far distance. Default: 1."""
-    maximum: float | None = None
-    """Factor at the near distance. Default: 15."""
-    falloff: float | None = None
-    """Exponent of the nearness; more keeps detail closer. Of distance alone. Default: 1."""
-    full_deviation: float | None = None
-    """Deviation from its plane at which a tile gets all that its distance allows. Of coplanarity
-    alone. Default: what 98 % of the tiles stay below."""
-    flat_weight: float | None = None
-    """Share of its distance's detail that a flat tile keeps. Of coplanarity alone."""
-
-    def make(self, name: str, tile: int, factor: float | None = None) -> Lod | PromiseLod:
-        """Return the level of detail called `name`, or say which option is not one of its."""
-        given = self._given() if factor is None else {"factor": factor, **self._given()}
-        for option in given:
-            takers = [lod for lod, names in _lod_options().items() if option in names]
-            if name not in takers:
-                flag = "--" + option.replace("_", "-")
-                raise InputError(f"expected --lod {' or '.join(takers)} with {flag}, got {name}")
-        if name == "uniform":
-            given.setdefault("factor", whole("tile", tile, 1, MAX_TILE))
-        for option in _REQUIRED.get(name, ()):
-            if option not in given:
-                raise InputError(f"expected --{option} with --lod {name}, got none")
-        lod: Lod | PromiseLod = _lods()[name](**given)
-        return lod
-
-    def both(self) -> tuple[DistanceLod, CoplanarityLod]:
-        """Return distance and coplanarity LOD, each with those options that it takes."""
-        distance, coplanarity = (
-            _lods()[name](**self.taken_by(name)._given()) for name in ("distance", "coplanarity")
-        )
-        return distance, coplanarity
-
-    def taken_by(self, name: str) -> DetailOptions:
-        """Return those options that the level of detail called `name` takes."""
-        options, given = _lod_options()[name], self._given()
-        return DetailOptions(**{key: given[key] for key in given if key in options})
-
-    def _given(self) -> dict[str, Any]:
-        return {name: value for name, value in vars(self).items() if value is not None}
-
-
-@Parameter(name="*", group=_DETAIL)
-@dataclass(frozen=True)
-class LodOptions:
-    """Which level of detail."""
-
-    lod: LodName = "screen-error"
-    """screen-error, max-error: the fewest triangles within so many pixels or metres, measured.
-    budget: the least error of so many triangles. coplanarity: near and rough ground gets more.
-    distance: near ground does. uniform: all alike."""
-    factor: float | None = None
-    """Segments along a tile's edge. Of uniform alone. Default: the cells of a tile."""
-    edges: Literal["min", "max", "edge"] | None = None
+    edge_rule: Literal["min", "max", "edge"] | None = None
     """Factor of an edge between two tiles: the lower of what they want, the higher, or by the
     edge's own error. Default: edge where an error is kept, else min."""
-
-
-# options without which a level of detail means nothing
-_REQUIRED: Final = {"max-error": ("metres",), "budget": ("triangles",)}
-
-
-def _lods() -> dict[str, Any]:
-    from ..terrain import lod
-
-    return {
-        "screen-error": lod.ScreenErrorLod,
-        "max-error": lod.MaxErrorLod,
-        "budget": lod.BudgetLod,
-        "coplanarity": lod.CoplanarityLod,
-        "distance": lod.DistanceLod,
-        "uniform": lod.UniformLod,
-    }
-
-
-def _lod_options() -> dict[str, list[str]]:
-    return {name: [field.name for field in fields(lod)] for name, lod in _lods().items()}
+    partitioning: Literal["fractional_odd", "fractional_even", "integer", "pow2"] = "fractional_odd"
+    """How the tessellator divides an edge."""
 
 
 @Parameter(name="*", group=_WORK)

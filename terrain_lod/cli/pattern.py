@@ -32,8 +32,8 @@ def pattern(
     partitioning: Literal[
         "integer", "pow2", "fractional_odd", "fractional_even", "semi_uniform"
     ] = "fractional_odd",
-    edges: _Factors = None,
-    inside: _Factors = None,
+    edge_factors: _Factors = None,
+    inside_factors: _Factors = None,
     sweep: _Sweep = None,
     frames: int = 36,
 ) -> None:
@@ -47,11 +47,11 @@ def pattern(
         quad: four edges and two factors inside. triangle: three and one. isoline: lines, segments.
     partitioning
         How factors divide edges. semi_uniform: triangles by whole levels of powers of two.
-    edges
-        Factors of u = 0, v = 0, u = 1, v = 1, of u = 0, v = 0, w = 0, or lines and segments; one
+    edge_factors
+        Of u = 0, v = 0, u = 1, v = 1, of u = 0, v = 0, w = 0, or lines and segments; one
         for all. Default: 5.
-    inside
-        Factors along u and v, or of the triangle's inside; one for all. Default: the mean of the
+    inside_factors
+        Along u and v, or of the triangle's inside; one for all. Default: the mean of the
         edges'.
     sweep
         Animate: all factors from the first to the second and back.
@@ -68,20 +68,24 @@ def pattern(
     edge_count, inside_count, _ = DOMAINS[domain]
     if semi_uniform:
         inside_count = 0
-    if inside is not None and inside_count == 0:
-        raise InputError(f"expected no --inside for {domain}, {partitioning}: leave it out")
+    if inside_factors is not None and inside_count == 0:
+        raise InputError(f"expected no --inside-factors for {domain}, {partitioning}: leave it out")
     if sweep is None:
         if ending == _ANIMATION:
             raise InputError("expected --sweep LOW,HIGH with a .gif, got none")
         one_of("picture format", ending, PICTURES)
-        outer = _row("--edges", domain, edges or (5.0,), edge_count)
-        inner = _row("--inside", domain, inside or (float(np.mean(outer)),), inside_count)
+        outer = _row("--edge-factors", domain, edge_factors or (5.0,), edge_count)
+        inner = _row(
+            "--inside-factors", domain, inside_factors or (float(np.mean(outer)),), inside_count
+        )
         made = _tessellated(domain, partitioning, outer, inner)
         save_pattern(made, output, edge_factors=outer, inside_factors=inner)
     else:
         one_of("animation format", ending, (_ANIMATION,))
-        if edges is not None or inside is not None:
-            raise InputError("expected --sweep or --edges and --inside, got both: leave one out")
+        if edge_factors is not None or inside_factors is not None:
+            raise InputError(
+                "expected --sweep, or --edge-factors and --inside-factors, got both: leave one out"
+            )
         steps = np.linspace(*sweep, whole("--frames", frames, 2, 1000))[:, None]
         outer, inner = (np.tile(steps, (1, count)) for count in (edge_count, inside_count))
         made = _tessellated(domain, partitioning, outer, inner)

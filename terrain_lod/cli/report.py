@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 from cyclopts import Parameter
 
 from ..errors import InputError
 from ..ground.heightmap import Heightmap
+from .lod_options import LodOptions
 from .options import (
     CameraOptions,
-    DetailOptions,
-    FormulaEdgeRule,
     GroundOptions,
+    MeshingOptions,
     TerrainOptions,
 )
 from .output import (
@@ -23,9 +24,14 @@ from .output import (
     warn,
 )
 
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
 Ground = Annotated[str | None, Parameter(metavar="GROUND", show_default=False)]
 OutputFolder = Annotated[Path, Parameter(alias="-o", metavar="DIR")]
 Switch = Annotated[bool, Parameter(show_default=False)]
+
+_VIEWS: Final = 3
 
 
 def report(
@@ -35,14 +41,14 @@ def report(
     output: OutputFolder,
     compare: Switch = False,
     stability: Switch = False,
-    views: int = 3,
-    edges: FormulaEdgeRule = "min",
+    views: int | None = None,
     reading: GroundOptions = GroundOptions(),  # noqa: B008
     view: CameraOptions = CameraOptions(),  # noqa: B008
-    detail: DetailOptions = DetailOptions(),  # noqa: B008
+    lod: LodOptions = LodOptions(),  # noqa: B008
+    meshing: MeshingOptions = MeshingOptions(),  # noqa: B008
     terrain: TerrainOptions = TerrainOptions(),  # noqa: B008
 ) -> None:
-    """Compare distance LOD with coplanarity LOD: triangles, error, time, pictures.
+    """Compare distance LOD with another, coplanarity by default: triangles, error, time, pictures.
 
     Parameters
     ----------
@@ -52,40 +58,71 @@ def report(
         Folder to write, made if it is not there.
     compare
         Every level of detail and every installed peer instead, over a low flight: speed against
-        error.
+        error. A class of your own is among them if --lod names it.
     stability
         Every kernel against its reference in 64 bits instead, on ground that is hard on floats.
     views
-        Cameras of the flight. Of --compare alone.
-    edges
-        Factor of an edge between two tiles: the lower of what they want, or the higher.
+        Cameras of the flight. Of --compare alone. Default: 3.
     """
+    pair_alone = {**_given(view), **_given(meshing), **lod.given}
+    # a class of the user's own is compared as well
+    named = {} if lod.lod is None or ":" in lod.lod else {"lod": lod.lod}
     if compare and stability:
         raise InputError("expected --compare or --stability, got both")
     if stability:
+        tiles = {name: value for name, value in _given(terrain).items() if name != "device"}
+        _refuse(
+            "--stability",
+            {"views": views, "lod": lod.lod, **pair_alone, **_given(reading), **tiles},
+        )
+        if ground is not None:
+            raise InputError(f"expected no GROUND with --stability, got {ground!r}: leave it out")
         _write_stability(output, terrain)
         return
     if ground is None:
         raise InputError("expected GROUND, a raster file or the name of a sample, got none")
+    if compare:
+        # the planes that deviations are measured from matter to the pair alone
+        plane = {name: value for name, value in _given(terrain).items() if name == "plane"}
+        _refuse("--compare", named | pair_alone | plane)
+    elif views is not None:
+        raise InputError(f"expected --compare with --views, got --views {views} alone")
     heights = reading.load(ground)
     log("%r", heights)
     if compare:
-        _write_comparison(heights, output, terrain, views)
-        return
-    _write_pair(heights, output, edges, view, detail, terrain)
+        _write_comparison(heights, output, terrain, _VIEWS if views is None else views)
+    else:
+        _write_pair(heights, output, view, lod, meshing, terrain)
+
+
+def _given(options: DataclassInstance) -> dict[str, Any]:
+    """Return those of the options that are not as they are without being asked for."""
+    usual = {field.name: field.default for field in fields(options)}
+    return {name: value for name, value in vars(options).items() if value != usual[name]}
+
+
+def _refuse(switch: str, options: dict[str, Any]) -> None:
+    """Say which of the options that are given means nothing beside `switch`."""
+    for name, value in options.items():
+        if value is not None:
+            flag = "--" + name.replace("_", "-")
+            raise InputError(f"expected no {flag} with {switch}, got {value}: leave it out")
 
 
 def _write_pair(
     heights: Heightmap,
     output: Path,
-    edges: FormulaEdgeRule,
     view: CameraOptions,
-    detail: DetailOptions,
+    lod: LodOptions,
+    meshing: MeshingOptions,
     terrain: TerrainOptions,
 ) -> None:
     from ..reports.report import report as write
 
-    distance, coplanarity = detail.both()
+    chosen, distance = (
+        lod.make(terrain.tile, "distance", default="coplanarity"),
+        lod.distance(),
+    )
     with progress_bar("comparing") as progress:
         made = write(
             heights,
@@ -93,9 +130,9 @@ def _write_pair(
             camera=view.over(heights),
             tile=terrain.tile,
             plane=terrain.plane,
-            edges=edges,
+            lod=chosen,
             distance=distance,
-            coplanarity=coplanarity,
+            **vars(meshing),
             device=terrain.open(),
             progress=progress,
         )
@@ -109,10 +146,10 @@ def _write_pair(
 def _write_comparison(
     heights: Heightmap, output: Path, terrain: TerrainOptions, views: int
 ) -> None:
-    from ..reports.compare.compare import compare_all
+    from ..reports.compare.compare import compare
 
     with progress_bar("comparing") as progress:
-        made = compare_all(
+        made = compare(
             heights,
             output,
             tile=terrain.tile,

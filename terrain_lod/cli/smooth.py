@@ -3,69 +3,26 @@
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass, fields, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final, Literal, get_args
+from typing import TYPE_CHECKING, Annotated, Final, Literal
 
 import numpy as np
-import numpy.typing as npt
-from cyclopts import Group, Parameter
+from cyclopts import Parameter
 
 from ..arguments import one_of
 from ..camera.camera import Camera
+from ..camera.viewpoint import camera_around
 from ..errors import InputError
 from ..paths import require_folder
+from .lod_options import EdgeOptions
 from .options import CameraOptions
 from .output import say
 
 if TYPE_CHECKING:
-    from ..curved.patch_factors import EdgeFactor
     from ..mesh.mesh import Mesh
 
-_DETAIL: Final = Group("Level of detail", sort_key=3)
 _CREASE: Final = 30.0  # degrees
-# across, back and up from the middle of the mesh to the default eye, in diagonals
-_EYE: Final = (0.5, -1.0, 0.6)
-
-LodName = Literal["uniform", "distance", "length", "orientation", "silhouette", "curvature"]
-
-
-@Parameter(name="*", group=_DETAIL)
-@dataclass(frozen=True)
-class EdgeOptions:
-    """What formulas for the segments of an edge are made with."""
-
-    factor: float | None = None
-    """Segments along every edge, 1 to 64. Of uniform alone. Default: 5."""
-    near: float | None = None
-    """Distance with the most segments. Of distance alone. Default: where the mesh may begin."""
-    far: float | None = None
-    """Distance with the fewest. Of distance alone. Default: a diagonal of the mesh farther."""
-    pixels: float | None = None
-    """Of length: along a segment, default 8. Of curvature: off the curve, default 0.5."""
-    cosine: float | None = None
-    """Of silhouette: faces turned by more are no part of the outline. Default: 0.3."""
-    minimum: float | None = None
-    """The fewest segments. Of all but uniform. Default: 1."""
-    maximum: float | None = None
-    """The most segments. Of all but uniform."""
-
-    def make(self, name: LodName) -> EdgeFactor:
-        """Return the formula called `name`, or say which option is not one of its."""
-        from ..curved import patch_factors
-
-        given = {option: value for option, value in vars(self).items() if value is not None}
-        takers = {lod: getattr(patch_factors, f"{lod.title()}Factor") for lod in get_args(LodName)}
-        for option in given:
-            having = [
-                lod for lod, made in takers.items() if option in (f.name for f in fields(made))
-            ]
-            if name not in having:
-                raise InputError(
-                    f"expected --lod {' or '.join(having)} with --{option}, got {name}"
-                )
-        formula: EdgeFactor = takers[name](**given)
-        return formula
 
 
 def smooth(
@@ -73,7 +30,6 @@ def smooth(
     /,
     *,
     output: Annotated[Path, Parameter(alias="-o", metavar="FILE")],
-    lod: Annotated[LodName, Parameter(group=_DETAIL)] = "uniform",
     sharp: bool = False,
     crease: float | None = None,
     normals: Literal["quadratic", "linear"] = "quadratic",
@@ -82,7 +38,7 @@ def smooth(
     ] = "fractional_odd",
     device: str | None = None,
     view: CameraOptions = CameraOptions(),  # noqa: B008
-    detail: EdgeOptions = EdgeOptions(),
+    detail: EdgeOptions = EdgeOptions(),  # noqa: B008
 ) -> None:
     """Curve the triangles of any mesh, and keep it closed.
 
@@ -93,9 +49,6 @@ def smooth(
         with the extra meshes also .msh, .inp, .mesh, .off and what else meshio reads.
     output
         File to write: .glb, .obj, .ply, .stl or .vtp.
-    lod
-        How many segments an edge gets. uniform: all alike. The others look through the camera:
-        distance, length in pixels, orientation, silhouette, curvature in pixels.
     sharp
         Keep edges sharp at which faces meet at more than the crease angle. Edges at which the
         file's own normals differ are sharp anyway.
@@ -118,10 +71,15 @@ def smooth(
     one_of("mesh format", output.suffix.lower(), FORMATS)
     if crease is not None and not sharp:
         raise InputError(f"expected --sharp with --crease, got --crease {crease:g} alone")
-    formula = detail.make(lod)
+    formula = detail.make()
+    for option, value in vars(view).items():
+        if value is not None and not formula.needs_camera:
+            raise InputError(
+                f"expected a --lod that looks through --{option}, got {detail.lod or 'uniform'}"
+            )
     source = _load(mesh)
-    camera = _camera(view, source)
-    if isinstance(formula, DistanceFactor) and detail.near is detail.far is None:
+    camera = view.instead_of(camera_around(source.vertices, source.origin))
+    if isinstance(formula, DistanceFactor) and not detail.given.keys() & {"near", "far"}:
         formula = replace(formula, near=_nearest(camera, source))
     made = pn_triangles(
         source,
@@ -152,20 +110,10 @@ def _load(path: Path) -> Mesh:
     return mesh_loading.load_mesh(path)
 
 
-def _camera(options: CameraOptions, mesh: Mesh) -> Camera:
-    """Return the camera that was asked for; what is missing comes from a look at the mesh."""
-    middle, diagonal = _middle_and_diagonal(mesh)
-    eye = middle + np.array(_EYE) * diagonal
-    return options.instead_of(Camera(tuple(eye.tolist()), tuple(middle.tolist()), fov=45.0))
-
-
 def _nearest(camera: Camera, mesh: Mesh) -> float:
     """Return how far the sphere around the mesh's bounds is from the eye."""
-    middle, diagonal = _middle_and_diagonal(mesh)
-    return max(0.0, float(np.linalg.norm(middle - camera.eye)) - diagonal / 2)
-
-
-def _middle_and_diagonal(mesh: Mesh) -> tuple[npt.NDArray[np.float64], float]:
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     middle = (low.astype(np.float64) + high) / 2 + mesh.origin
-    return middle, float(np.linalg.norm(high - low))
+    return max(
+        0.0, float(np.linalg.norm(middle - camera.eye)) - float(np.linalg.norm(high - low)) / 2
+    )

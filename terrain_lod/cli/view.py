@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -10,17 +9,16 @@ from cyclopts import Parameter
 
 from ..arguments import whole
 from ..errors import InputError
+from .lod_options import ViewedOptions
 from .options import CameraOptions, GroundOptions, Sun
 from .output import log, say
 
 if TYPE_CHECKING:
     from ..viewer.scene import Scene
+    from ..viewer.settings import Settings
 
 Mode = Literal["shaded", "wireframe", "lod", "deviation", "error", "normals"]
-LodName = Literal[
-    "screen-error", "max-error", "budget", "coplanarity", "distance", "uniform",
-    "length", "silhouette", "orientation", "curvature",
-]  # fmt: skip
+Partitioning = Literal["fractional_odd", "fractional_even", "integer", "pow2", "semi_uniform"]
 
 
 def view(
@@ -36,14 +34,14 @@ def view(
     record: Annotated[Path | None, Parameter(metavar="FILE")] = None,
     frames: int = 60,
     mode: Mode | None = None,
-    lod: LodName | None = None,
-    factor: float | None = None,
+    partitioning: Partitioning | None = None,
     y_up: bool = False,
     sun: Sun = None,
     tile: int | None = None,
     device: str | None = None,
     reading: GroundOptions = GroundOptions(),  # noqa: B008
     camera: CameraOptions = CameraOptions(),  # noqa: B008
+    lod: ViewedOptions = ViewedOptions(),  # noqa: B008
 ) -> None:
     """Look at ground or a curved mesh: fly over it, and see what its level of detail does.
 
@@ -57,11 +55,13 @@ def view(
     subject
         A raster file, the name of a bundled sample, a mesh file, or Bézier patches in a .bpt file.
     web
-        Serve a page instead of opening a window.
+        Serve a page instead of opening a window. The printed address has a token, without which
+        nobody gets in.
     port
-        Of the page.
+        Of the page; 0 takes any that is free.
     host
-        Address that the page is served on; others than this machine need another.
+        Address that the page is served on. With another than the default, such as 0.0.0.0, other
+        machines reach it: whoever has the printed address can use the viewer, unencrypted.
     browser
         Open the page in a browser.
     off_screen
@@ -76,12 +76,8 @@ def view(
     mode
         What is shown: light, triangles, factors or normals; of ground also its deviation from the
         tiles' planes and the vertical error. Default: shaded.
-    lod
-        How detail is chosen. Ground: screen-error (default), max-error, budget, coplanarity,
-        distance, uniform. Meshes: uniform (default), distance, length, silhouette, orientation,
-        curvature.
-    factor
-        Segments along an edge. Of uniform alone.
+    partitioning
+        How the tessellator divides an edge; semi_uniform of meshes alone.
     y_up
         The mesh's own y axis points up. glTF files say so themselves.
     sun
@@ -98,7 +94,8 @@ def view(
         raise InputError("expected --off-screen with --output: in a window, c takes a picture")
     whole("frames", frames, 1, 100_000)
     keep_large_blocks_apart()
-    chosen: dict[str, Any] = {"mode": mode, "lod": lod, "factor": factor}
+    chosen: dict[str, Any] = {"mode": mode, "partitioning": partitioning, "lod": lod.lod}
+    chosen |= lod.given
     if sun is not None:
         chosen |= {"azimuth": sun[0] % 360, "elevation": sun[1]}
     path = Path(subject) if Path(subject).exists() else None
@@ -106,8 +103,8 @@ def view(
     settings = model.scene.settings
     for name, value in chosen.items():
         if value is not None:
-            settings = settings.changed(name, value)
-            if (held := getattr(settings, name)) != value:
+            settings = _changed(settings, name, value)
+            if (held := settings.value(name)) != value:
                 raise InputError(
                     f"expected {name} in its range, got {value:g}: nearest is {held:g}"
                 )
@@ -117,7 +114,6 @@ def view(
         from ..viewer.web import require_page, serve
 
         require_page(host, port)
-        print(f"http://{host}:{port}/  (Ctrl-C ends it)", file=sys.stderr)
         serve(model, eye, host=host, port=port, open_browser=browser)
     elif off_screen:
         from ..viewer.view import look
@@ -130,6 +126,19 @@ def view(
         show(model, eye, record=record)
 
 
+def _changed(settings: Settings, name: str, value: Any) -> Settings:
+    """Return settings with one changed that they show."""
+    shown = {slider.name for slider in settings.sliders}
+    if settings.lod in settings.formulas:
+        shown |= settings.formulas[settings.lod].numbers().keys()
+    if isinstance(value, float | int) and name not in shown:
+        raise InputError(
+            f"expected a number of {settings.lod} ({', '.join(sorted(shown))}), "
+            f"got --{name.replace('_', '-')}"
+        )
+    return settings.changed(name, value)
+
+
 def _scene(
     name: str, reading: GroundOptions, tile: int | None, device: str | None, y_up: bool
 ) -> Scene:
@@ -137,7 +146,7 @@ def _scene(
     from ..device.device import Device
     from ..files.meshes.bpt import load_bpt
     from ..files.meshes.loading import load_mesh
-    from ..files.rasters.loading import FORMATS
+    from ..files.rasters.formats import FORMATS
     from ..viewer.mesh_scene import BezierScene, CurvedScene
     from ..viewer.terrain_scene import TerrainScene
 

@@ -33,7 +33,7 @@ def bezier(
     ----------
     patches : (P, 4, 4, 3) or (P, 16, 3) array_like, or path
         Control points [patch, along u, along v], used in float32; or a .bpt file, see
-        :func:`load_bpt`.
+        :func:`terrain_lod.curved.load_bpt`.
     factor : float, optional
         Tessellation factor of all edges and insides, clamped to the partitioning's range.
     partitioning : {"integer", "pow2", "fractional_odd", "fractional_even"}, optional

@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import InputError
-from ..files.meshes.loading import vertex_normals
 from ..mesh.mesh import Mesh
+from ..mesh.normals import vertex_normals
 from ..mesh.open_edges import weld
 from .adjacency import EDGE_ENDS, Adjacency
 

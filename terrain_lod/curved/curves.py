@@ -1,24 +1,30 @@
 """Parametric curves through the isoline domain of the tessellator: helices, knots.
 
-A curve is one header, ``kernels/curved/curve/<name>.h``, and one row of :data:`CURVES`.
+A curve is one header of ``kernels/curved/curve/`` and one row of :data:`CURVES`; one from
+elsewhere is a :class:`ParametricCurve` with the path of its header: docs/own_lod.md.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final, NamedTuple
+from pathlib import Path
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
 from ..arguments import one_of, positive, whole
 from ..device.device import Device
+from ..device.formulas import formula_defines, formula_numbers
 from ..device.layout import PARTITIONINGS
+from ..errors import InputError
+from ..numbered import Number, checked_numbers, refuse_names
 from ..tessellation.pattern import DevicePattern
 from ..tessellation.tessellator import tessellate_device
-from .shape_numbers import Number, shape_numbers
 
+# arguments of curve(), and what its kernel is built with
+_TAKEN: Final = ("pieces", "factor", "partitioning", "device", "group", "curve", "closed")
 _MOST_PIECES: Final = 16384  # steps are counted in 32 bits
 
 
@@ -42,15 +48,36 @@ class Polyline:
         return f"Polyline({len(self.points)} points{', closed' if self.closed else ''})"
 
 
-class Curve(NamedTuple):
-    """What shapes a curve, in the order of the kernel's array, and whether it closes."""
+@dataclass(frozen=True)
+class ParametricCurve:
+    """A curve: the header with its formula, and what the host must know of it.
 
-    numbers: dict[str, Number]
-    closed: bool
+    Attributes
+    ----------
+    header : str or pathlib.Path
+        What defines its ``curve()``: a file of ``kernels/``, or the path of any other.
+    numbers : dict of str to Number
+        What shapes it: the header reads a number ``radius`` as ``shape[RADIUS]``.
+    closed : bool
+        Whether its end is its beginning.
+
+    Raises
+    ------
+    InputError
+        If a number's name is taken by an argument of :func:`curve`.
+    """
+
+    header: str | Path
+    numbers: Mapping[str, Number]
+    closed: bool = False
+
+    def __post_init__(self) -> None:
+        refuse_names(self.numbers, _TAKEN)
 
 
-_RADIUS: Final = Number(1.0)
-_TUBE: Final = Number(0.4)
+_LARGEST: Final = 1e18  # squares are still finite
+_RADIUS: Final = Number(1.0, high=_LARGEST)
+_TUBE: Final = Number(0.4, high=_LARGEST)
 
 
 def _count(default: int) -> Number:
@@ -58,29 +85,35 @@ def _count(default: int) -> Number:
 
 
 CURVES: Final = {
-    "helix": Curve(
+    "helix": ParametricCurve(
+        "curved/curve/helix.h",
         {
             "radius": _RADIUS,
-            "pitch": Number(0.5),
+            "pitch": Number(0.5, high=_LARGEST),
             "turns": Number(3.0, low=0.5, high=64.0, step=0.5),
         },
         closed=False,
     ),
-    "torus_knot": Curve(
-        {"radius": _RADIUS, "tube": _TUBE, "p": _count(2), "q": _count(3)}, closed=True
+    "torus_knot": ParametricCurve(
+        "curved/curve/torus_knot.h",
+        {"radius": _RADIUS, "tube": _TUBE, "p": _count(2), "q": _count(3)},
+        closed=True,
     ),
-    "lissajous": Curve(
-        {"size": _RADIUS, "x": _count(3), "y": _count(2), "z": _count(5)}, closed=True
+    "lissajous": ParametricCurve(
+        "curved/curve/lissajous.h",
+        {"size": _RADIUS, "x": _count(3), "y": _count(2), "z": _count(5)},
+        closed=True,
     ),
 }
 
 
 def curve(
-    name: str,
+    shape: str | ParametricCurve,
+    /,
     *,
     pieces: int = 16,
-    factor: float = 16.0,
-    partitioning: str = "integer",
+    factor: float = 5.0,
+    partitioning: str = "fractional_odd",
     device: Device | None = None,
     **numbers: float,
 ) -> Polyline:
@@ -88,8 +121,8 @@ def curve(
 
     Parameters
     ----------
-    name : str
-        A key of :data:`CURVES`: helix, torus_knot, lissajous.
+    shape : str or ParametricCurve
+        helix, torus_knot, lissajous, or one of your own.
     pieces : int, optional
         Isolines laid end to end.
     factor : float, optional
@@ -112,12 +145,12 @@ def curve(
 
     Examples
     --------
-    >>> curve("torus_knot", pieces=16, factor=16)
-    Polyline(257 points, closed)
+    >>> curve("torus_knot", pieces=16, factor=5)
+    Polyline(81 points, closed)
     """
-    one_of("curve", name, CURVES)
+    kind = _named(shape)
     one_of("partitioning", partitioning, PARTITIONINGS)
-    shape = shape_numbers(name, CURVES[name].numbers, numbers)
+    given = checked_numbers(Path(kind.header).stem, kind.numbers, numbers)
     pieces = whole("pieces", pieces, 1, _MOST_PIECES)
     factor = positive("factor", factor)
     device = device or Device.open()
@@ -126,34 +159,40 @@ def curve(
     pattern = tessellate_device(
         "isoline", device.array(factors), None, partitioning, clockwise=True
     )
-    positions, tangents = _evaluated(name, shape, pattern, device)
+    positions, tangents = _evaluated(kind, given, pattern, device)
     # a piece begins where the one before ends
     kept = np.ones(len(positions), bool)
     kept[pattern.point_offsets.host()[1:-1] - 1] = False
-    return Polyline(positions[kept], tangents[kept], CURVES[name].closed)
+    return Polyline(positions[kept], tangents[kept], kind.closed)
+
+
+def _named(shape: object) -> ParametricCurve:
+    if isinstance(shape, ParametricCurve):
+        return shape
+    if not isinstance(shape, str):
+        raise InputError(f"expected a curve's name or a ParametricCurve, got {shape!r}")
+    return CURVES[one_of("curve", shape, CURVES)]
 
 
 def _evaluated(
-    name: str, shape: Mapping[str, float], pattern: DevicePattern, device: Device
+    kind: ParametricCurve, given: Mapping[str, float], pattern: DevicePattern, device: Device
 ) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
     """Return positions and tangents of all points, (N, 3)."""
     count, pieces = pattern.points.shape[0], pattern.point_offsets.size - 1
     device.require(f"{count} points of a curve", 12 * count, 12 * count)
     positions, tangents = (device.empty((count, 3), np.float32) for _ in range(2))
     group = device.group_size(64)
-    kernel = device.kernel(
-        "curved/curve.cl",
-        "curve_points",
-        GROUP=group,
-        CURVE=f'"curved/curve/{name}.h"',
-        CLOSED=int(CURVES[name].closed),
-        **{number.upper(): index for index, number in enumerate(shape)},
-    )
+    defines = {
+        **formula_defines("CURVE", kind.header, given),
+        "CLOSED": int(kind.closed),
+        "GROUP": group,
+    }
+    kernel = device.kernel("curved/curve.cl", "curve_points", **defines)
     kernel(
         (pieces * group,),
         (group,),
         pieces=pieces,
-        shape=device.array(np.array(list(shape.values()), np.float32)),
+        shape=formula_numbers(device, given),
         point_offsets=pattern.point_offsets,
         points=pattern.points,
         positions=positions,

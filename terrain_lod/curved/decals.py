@@ -10,11 +10,12 @@ import numpy as np
 import numpy.typing as npt
 
 from ..arguments import finite, one_of, positive
-from ..camera.camera import Point
+from ..camera.camera import Point, point
 from ..device import layout
 from ..device.device import Device, DeviceArray
 from ..errors import InputError
 from ..mesh.mesh import Mesh
+from ..mesh.queries import MeshQueries
 from ..tessellation.factors import DeviceFactors
 from ..tessellation.pattern import DevicePattern
 from .displaced import moved_mesh
@@ -56,6 +57,8 @@ class Decal:
         positive("radius", self.radius)
         finite("scale", self.scale)
         finite("bias", self.bias)
+        for name in ("point", "normal", "tangent"):
+            object.__setattr__(self, name, point(name, getattr(self, name)))
         for name in ("normal", "tangent"):
             if not abs(np.linalg.norm(getattr(self, name)) - 1) < 1e-3:
                 raise InputError(f"expected a {name} of length 1, got {getattr(self, name)}")
@@ -71,54 +74,72 @@ class Decal:
 
 def shoot(
     mesh: Mesh,
-    eye: Point,
-    direction: Point,
-    radius: float,
+    origins: npt.ArrayLike,
+    directions: npt.ArrayLike,
+    radius: float | npt.ArrayLike,
     *,
-    scale: float = 1.0,
-    bias: float = 0.0,
-) -> Decal | None:
-    """Return the decal where a ray first hits a mesh, or None where it misses.
+    scale: float | npt.ArrayLike = 1.0,
+    bias: float | npt.ArrayLike = 0.0,
+    device: Device | None = None,
+) -> tuple[Decal, ...]:
+    """Return decals where rays first hit a mesh.
 
     Parameters
     ----------
     mesh : Mesh
-    eye, direction : (float, float, float)
-        Where the ray begins in the world, and where it goes.
-    radius, scale, bias : float
-        Of the decal.
+    origins, directions : (N, 3) array_like
+        Where the rays begin in the world and where they go; one of either serves all.
+    radius, scale, bias : float or (N,) array_like
+        Of the decals, one for all or one a ray.
+    device : Device, optional
 
-    Notes
-    -----
-    T. Möller, B. Trumbore: *Fast, Minimum Storage Ray/Triangle Intersection*, 1997.
+    Returns
+    -------
+    tuple of Decal
+        In the order of the rays; those that miss leave none.
+
+    Raises
+    ------
+    InputError
+        If the rays or numbers are not such, not finite, or a direction is zero; if the mesh is not
+        sound.
+    DeviceError
+        If the device has no 64-bit floats.
+    DeviceMemoryError
+        If the device cannot hold the mesh and the lists of its triangles.
     """
-    start = np.subtract(eye, mesh.origin)
-    ray = np.asarray(direction, np.float64)
-    if not np.isfinite(start).all() or not np.linalg.norm(ray) > 0:
-        raise InputError(f"expected a ray from a finite point, got {eye} along {direction}")
-    ray = ray / np.linalg.norm(ray)
-    a, b, c = (mesh.vertices[mesh.triangles[:, k]].astype(np.float64) for k in range(3))
-    across = np.cross(np.broadcast_to(ray, a.shape), c - a)
-    determinant = np.einsum("ij,ij->i", b - a, across)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        u = np.einsum("ij,ij->i", start - a, across) / determinant
-        along = np.cross(start - a, b - a)
-        v = along @ ray / determinant
-        distance = np.einsum("ij,ij->i", c - a, along) / determinant
-        # not where the ray runs along the triangle: nothing is above or below NaN
-        hit = (u >= 0) & (v >= 0) & (u + v <= 1) & (distance > 0)
-    if not hit.any():
-        return None
-    first = int(np.argmin(np.where(hit, distance, np.inf)))
-    normal = np.cross(b[first] - a[first], c[first] - a[first])
-    normal /= np.linalg.norm(normal)
-    # along the horizon, where there is one
+    hits = MeshQueries(mesh, device=device).cast(origins, directions)
+    numbers = {
+        name: _of_rays(name, values, len(hits))
+        for name, values in (("radius", radius), ("scale", scale), ("bias", bias))
+    }
+    return tuple(
+        Decal(
+            _point(hits.position[ray]),
+            _point(hits.normal[ray]),
+            _along_horizon(hits.normal[ray]),
+            **{name: float(values[ray]) for name, values in numbers.items()},
+        )
+        for ray in np.flatnonzero(hits.hit)
+    )
+
+
+def _of_rays(name: str, values: npt.ArrayLike, count: int) -> Array:
+    """Return a number a ray, (count,), of one for all or one for each."""
+    array = np.asarray(values, np.float64)
+    if array.shape not in ((), (count,)):
+        raise InputError(f"expected one {name}, or one a ray ({count}), got {array.shape}")
+    if not np.isfinite(array).all():
+        raise InputError(f"expected a finite {name}, got {values!r}")
+    return np.broadcast_to(array, count)
+
+
+def _along_horizon(normal: Array) -> Point:
+    """Return a tangent along the horizon, where there is one across `normal`."""
     level = np.cross([0, 0, 1], normal)
     tangent = level if np.linalg.norm(level) > 1e-6 else np.array([1.0, 0.0, 0.0])
     tangent = tangent - normal * (tangent @ normal)
-    tangent /= np.linalg.norm(tangent)
-    point = start + distance[first] * ray + mesh.origin
-    return Decal(_point(point), _point(normal), _point(tangent), radius, scale, bias)
+    return _point(tangent / np.linalg.norm(tangent))
 
 
 def dent(
@@ -142,11 +163,12 @@ def dent(
     depths : (R, C) array_like
         The map that they share; bilinear, its first row at the top.
     factor : float, optional
-        Segments where a decal reaches an edge, or the inside of a triangle, 1 to 64.
+        Segments where a decal reaches an edge, or the inside of a triangle, 1 to 64; about as many
+        as the map has samples along a triangle.
     elsewhere : float, optional
         Segments of all others.
     curved : bool, optional
-        Dent the PN-triangles instead of the plane ones.
+        Dent the PN-triangles. By default what no decal reaches keeps its plane triangles.
     partitioning : {"fractional_odd", "fractional_even", "integer", "pow2"}, optional
     device : Device, optional
 
@@ -158,7 +180,8 @@ def dent(
     Raises
     ------
     InputError
-        If the mesh is not sound, the map is no finite raster, or a factor is out of range.
+        If the mesh is not sound, a decal is no Decal, the map is no finite raster, or a factor
+        is out of range.
     DeviceMemoryError
         If the device cannot hold the mesh.
 
@@ -170,6 +193,9 @@ def dent(
     one_of("partitioning", partitioning, layout.PARTITIONINGS)
     checked_factor("factor", factor), checked_factor("elsewhere", elsewhere)
     raster = checked_map(depths)
+    for number, decal in enumerate(decals):
+        if not isinstance(decal, Decal):
+            raise InputError(f"expected decals, got {decal!r} at {number}")
     records = np.array([decal.record(mesh.origin) for decal in decals], layout.DECAL)
     device = device or Device.open()
     with device.timed() as timeline:

@@ -58,7 +58,7 @@ def displace(
         corner of the map, whose last row is the lowest. Defaults to the mesh's own.
     factor : float or (T, 3) array_like, optional
         Segments along the edges, as for :func:`terrain_lod.pn_triangles`;
-        :func:`terrain_lod.variation_factors` finds those that the map needs. Defaults to 5.
+        :func:`terrain_lod.curved.variation_factors` finds those that the map needs. Defaults to 5.
     scale, bias : float, optional
         Points move by ``bias + scale * height``, in world units.
     lod : EdgeFactor, optional

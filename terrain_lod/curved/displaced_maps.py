@@ -11,7 +11,7 @@ from ..arguments import positive
 from ..errors import InputError
 from ..mesh.mesh import Mesh
 from .adjacency import Adjacency
-from .patch_factors import checked_factor
+from .patch_factors import MAX_FACTOR, checked_factor
 
 # segments along an edge of the lattice that a map's variation is measured on
 _SAMPLED: Final = 16
@@ -28,7 +28,7 @@ def variation_factors(
     *,
     scale: float = 1.0,
     tolerance: float,
-    maximum: float = 63.0,
+    maximum: float = MAX_FACTOR,
 ) -> npt.NDArray[np.float32]:
     """Return the factors that a map's own variation asks for.
 

@@ -1,40 +1,51 @@
 """Tessellation factors of curved patches: how many segments an edge deserves.
 
-A formula is a small class here, a header of ``kernels/`` that defines ``edge_factor()``, and a
-function of ``terrain_lod.reference.curved.patch_factors``. The class's numbers reach the header by
-name: a field ``near`` is ``parameters[FACTOR_NEAR]``. A formula is asked once an edge, so that
-patches on both sides of it agree.
+A formula is a small class here, a header of ``kernels/`` that defines ``edge_factor()``, a function
+of ``terrain_lod.reference.curved.patch_factors`` and a row of :data:`EDGE_FACTORS`. The class's
+numbers reach the header by name: a field ``near`` is ``parameters[FACTOR_NEAR]``. A formula is
+asked once an edge, so that patches on both sides of it agree. Classes from elsewhere have headers
+of their own, as paths: docs/own_lod.md.
 """
 
 from __future__ import annotations
 
-from abc import ABC
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import ClassVar, Final
 
-from ..arguments import finite, positive
 from ..errors import InputError
+from ..numbered import Number, Numbered, number
 
 # the most segments that any partitioning makes
 MAX_FACTOR: Final = 64
 
 
-class EdgeFactor(ABC):
+class EdgeFactor(Numbered):
     """A formula for the segments along an edge.
 
     Attributes
     ----------
-    header : str
-        File of ``kernels/`` that defines its ``edge_factor()``.
-    needs_camera : bool
+    header : str or pathlib.Path
+        What defines its ``edge_factor()``: a file of ``kernels/``, or the path of any other.
     """
 
-    header: ClassVar[str]
-    needs_camera: ClassVar[bool] = True
+    header: ClassVar[str | Path] = ""
 
     def parameters(self, diagonal: float) -> dict[str, float]:
         """Return the numbers that the header reads; `diagonal` is that of the mesh's bounds."""
-        return {field.name: getattr(self, field.name) for field in fields(self)}  # type: ignore[arg-type]
+        return self.numbers()
+
+
+_FACTOR: Final = Number(
+    5.0,
+    low=1.0,
+    high=MAX_FACTOR,
+    unit="segments",
+    logarithmic=True,
+    help="segments along every edge",
+)
+_MINIMUM: Final = replace(_FACTOR, default=1.0, help="the fewest segments")
+_MAXIMUM: Final = replace(_FACTOR, default=15.0, help="the most segments")
 
 
 @dataclass(frozen=True)
@@ -47,12 +58,9 @@ class UniformFactor(EdgeFactor):
         Segments along an edge, 1 to 64.
     """
 
-    factor: float = 5.0
-    header: ClassVar[str] = "curved/factor/uniform.h"
+    factor: float = number(_FACTOR)
+    header: ClassVar[str | Path] = "curved/factor/uniform.h"
     needs_camera: ClassVar[bool] = False
-
-    def __post_init__(self) -> None:
-        checked_factor("factor", self.factor)
 
 
 @dataclass(frozen=True)
@@ -73,22 +81,24 @@ class DistanceFactor(EdgeFactor):
     + t has a minimum of 1.
     """
 
-    near: float = 0.0
-    far: float | None = None
-    minimum: float = 1.0
-    maximum: float = 15.0
-    header: ClassVar[str] = "curved/factor/distance.h"
-
-    def __post_init__(self) -> None:
-        if finite("near", self.near) < 0:
-            raise InputError(f"expected near >= 0, got {self.near:g}")
-        if self.far is not None and finite("far", self.far) <= self.near:
-            raise InputError(f"expected far > near, got far {self.far:g} and near {self.near:g}")
-        _check_range(self.minimum, self.maximum)
+    near: float = number(
+        0.0, low=0.0, unit="m", shown=(0.0, 1.0), help="distance with the most segments"
+    )
+    far: float | None = number(
+        None,
+        unit="m",
+        shown=(0.01, 4.0),
+        # a first view is from outside: all of the mesh is farther than its diagonal
+        start=2.0,
+        help="distance with the fewest; by default a diagonal of the mesh beyond near",
+    )
+    minimum: float = number(_MINIMUM)
+    maximum: float = number(_MAXIMUM)
+    header: ClassVar[str | Path] = "curved/factor/distance.h"
 
     def parameters(self, diagonal: float) -> dict[str, float]:
         far = self.near + diagonal if self.far is None else self.far
-        return {**super().parameters(diagonal), "far": far}
+        return {**self.numbers(), "far": far}
 
 
 @dataclass(frozen=True)
@@ -103,14 +113,12 @@ class LengthFactor(EdgeFactor):
         Factors, 1 to 64.
     """
 
-    pixels: float = 8.0
-    minimum: float = 1.0
-    maximum: float = 64.0
-    header: ClassVar[str] = "curved/factor/length.h"
-
-    def __post_init__(self) -> None:
-        positive("pixels", self.pixels)
-        _check_range(self.minimum, self.maximum)
+    pixels: float = number(
+        8.0, unit="pixels", shown=(0.125, 64.0), logarithmic=True, help="pixels along a segment"
+    )
+    minimum: float = number(_MINIMUM)
+    maximum: float = number(replace(_MAXIMUM, default=64.0))
+    header: ClassVar[str | Path] = "curved/factor/length.h"
 
 
 @dataclass(frozen=True)
@@ -123,12 +131,9 @@ class OrientationFactor(EdgeFactor):
         Factors seen from the front and from the side, 1 to 64.
     """
 
-    minimum: float = 1.0
-    maximum: float = 15.0
-    header: ClassVar[str] = "curved/factor/orientation.h"
-
-    def __post_init__(self) -> None:
-        _check_range(self.minimum, self.maximum)
+    minimum: float = number(_MINIMUM)
+    maximum: float = number(_MAXIMUM)
+    header: ClassVar[str | Path] = "curved/factor/orientation.h"
 
 
 @dataclass(frozen=True)
@@ -149,14 +154,12 @@ class SilhouetteFactor(EdgeFactor):
     Bezier Patches*, 2008.
     """
 
-    cosine: float = 0.3
-    minimum: float = 1.0
-    maximum: float = 15.0
-    header: ClassVar[str] = "curved/factor/silhouette.h"
-
-    def __post_init__(self) -> None:
-        positive("cosine", self.cosine)
-        _check_range(self.minimum, self.maximum)
+    cosine: float = number(
+        0.3, shown=(0.01, 1.0), help="faces turned by more are no part of the outline"
+    )
+    minimum: float = number(_MINIMUM)
+    maximum: float = number(_MAXIMUM)
+    header: ClassVar[str | Path] = "curved/factor/silhouette.h"
 
 
 @dataclass(frozen=True)
@@ -176,25 +179,41 @@ class CurvatureFactor(EdgeFactor):
     On semi-uniform patterns, between whole levels, it may be an eighth more.
     """
 
-    pixels: float = 0.5
-    minimum: float = 1.0
-    maximum: float = 64.0
-    header: ClassVar[str] = "curved/factor/curvature.h"
+    pixels: float = number(
+        0.5, unit="pixels", shown=(0.125, 64.0), logarithmic=True, help="pixels off the curve"
+    )
+    minimum: float = number(_MINIMUM)
+    maximum: float = number(replace(_MAXIMUM, default=64.0))
+    header: ClassVar[str | Path] = "curved/factor/curvature.h"
 
-    def __post_init__(self) -> None:
-        positive("pixels", self.pixels)
-        _check_range(self.minimum, self.maximum)
+
+EDGE_FACTORS: Final[dict[str, type[EdgeFactor]]] = {
+    "uniform": UniformFactor,
+    "distance": DistanceFactor,
+    "length": LengthFactor,
+    "silhouette": SilhouetteFactor,
+    "orientation": OrientationFactor,
+    "curvature": CurvatureFactor,
+}
+"""Every formula for edges, by its name on the command line and in viewers."""
+
+
+def checked_formula(value: object) -> EdgeFactor:
+    """Return `value` if it is a formula for edges.
+
+    Raises
+    ------
+    InputError
+        If it is anything else, a class of them included.
+    """
+    if isinstance(value, EdgeFactor):
+        return value
+    if isinstance(value, type) and issubclass(value, EdgeFactor):
+        name = value.__name__
+        raise InputError(f"expected a formula for edges, got its class {name}: write {name}(...)")
+    raise InputError(f"expected a formula for edges, such as LengthFactor(8.0), got {value!r}")
 
 
 def checked_factor(name: str, value: float) -> float:
     """Return a tessellation factor, or say what it should be."""
-    if not 1 <= finite(name, value) <= MAX_FACTOR:
-        raise InputError(f"expected {name} from 1 to {MAX_FACTOR}, got {value:g}")
-    return value
-
-
-def _check_range(minimum: float, maximum: float) -> None:
-    checked_factor("minimum", minimum)
-    checked_factor("maximum", maximum)
-    if maximum < minimum:
-        raise InputError(f"expected maximum >= minimum, got {maximum:g} and {minimum:g}")
+    return _FACTOR.checked(name, value)

@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from ..device import layout
 from ..device.device import Device, DeviceArray
+from ..device.formulas import formula_defines, formula_numbers
 from ..mesh.vertices import DeviceVertices
 from ..tessellation.factors import DeviceFactors
 from ..tessellation.pattern import DevicePattern
@@ -112,15 +113,14 @@ def edge_factors_on_device(
     """
     device, count = mesh.device, mesh.sides.shape[0]
     parameters = formula.parameters(diagonal)
-    names = {f"FACTOR_{name.upper()}": index for index, name in enumerate(parameters)}
+    defines = formula_defines("FACTOR", formula.header, parameters, prefix="FACTOR_")
     factors = device.empty(count, np.float32)
-    kernel = device.kernel("curved/pn_edges.cl", "pn_edges", FACTOR=f'"{formula.header}"', **names)
-    kernel(
+    device.kernel("curved/pn_edges.cl", "pn_edges", **defines)(
         (count,),
         (_GROUP,),
         edges=count,
         view=view,
-        parameters=device.array(np.array(list(parameters.values()), np.float32)),
+        parameters=formula_numbers(device, parameters),
         sides=mesh.sides,
         patches=mesh.patches,
         positions=mesh.positions,

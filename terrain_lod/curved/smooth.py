@@ -30,7 +30,7 @@ from ..tessellation.semi_uniform import semi_uniform_device
 from ..tessellation.tessellator import tessellate_device
 from .adjacency import Adjacency
 from .curved_mesh import CurvedMesh
-from .patch_factors import MAX_FACTOR, EdgeFactor, UniformFactor
+from .patch_factors import MAX_FACTOR, EdgeFactor, UniformFactor, checked_formula
 from .patched_mesh import PatchedMesh, require_curvable
 from .pn import (
     DevicePatchMesh,
@@ -152,11 +152,12 @@ def view_for(
     Raises
     ------
     InputError
-        If there are both a factor and a formula, or a formula lacks the camera that it needs.
+        If there are both a factor and a formula, `lod` is no formula for edges, or it lacks the
+        camera that it needs.
     """
     if lod is not None and factor is not None:
         raise InputError(f"expected a factor or a lod, got both {factor!r} and {lod}")
-    if lod is not None and lod.needs_camera and camera is None:
+    if lod is not None and checked_formula(lod).needs_camera and camera is None:
         raise InputError(f"{type(lod).__name__} needs a camera, got none")
     return np.zeros((), layout.VIEW) if camera is None else camera.view(mesh.origin)
 
@@ -222,7 +223,10 @@ def edge_factors(
         lod = UniformFactor() if factor is None else UniformFactor(finite("factor", factor))
     if lod is not None:
         return edge_factors_on_device(patches, lod, diagonal, view)
-    given = np.asarray(factor, np.float32)
+    try:
+        given = np.asarray(factor, np.float32)
+    except (TypeError, ValueError):
+        raise InputError(f"expected a factor, or one an edge, got {factor!r}") from None
     if given.shape != adjacency.edges.shape:
         raise InputError(
             f"expected a factor, or one an edge {adjacency.edges.shape}, got shape {given.shape}"

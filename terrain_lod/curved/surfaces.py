@@ -1,73 +1,116 @@
 """Parametric surfaces through the tessellator: spheres, tori, one-sided strips, shells.
 
-A surface is one header, ``kernels/curved/surface/<name>.h``, and one row of :data:`SURFACES`.
+A surface is one header of ``kernels/curved/surface/`` and one row of :data:`SURFACES`; one from
+elsewhere is a :class:`ParametricSurface` with the path of its header: docs/own_lod.md.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import Final, NamedTuple
-
-import numpy as np
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
 
 from ..arguments import one_of, whole
 from ..device.device import Device
+from ..device.formulas import formula_defines, formula_numbers
 from ..errors import InputError
 from ..mesh.mesh import Mesh
 from ..mesh.vertices import DeviceVertices
+from ..numbered import Number, checked_numbers, refuse_names
 from ..tessellation.pattern import DevicePattern
-from .shape_numbers import Number, shape_numbers
 from .uniform_quads import Evaluate, uniform_mesh
 
+# arguments of surface(), and what its kernel is built with
+_TAKEN: Final = ("patches", "factor", "partitioning", "device", "group", "surface", "twisted")
 _MOST_PATCHES: Final = 16384  # along u or v: steps are counted in 32 bits
 
 
-class Surface(NamedTuple):
-    """What the host must know of a surface.
+@dataclass(frozen=True)
+class ParametricSurface:
+    """A surface: the header with its formula, and what the host must know of it.
 
     Attributes
     ----------
+    header : str or pathlib.Path
+        What defines its ``surface()``: a file of ``kernels/``, or the path of any other.
     numbers : dict of str to Number
-        What shapes it, in the order of the kernel's array.
+        What shapes it: the header reads a number ``radius`` as ``shape[RADIUS]``.
     closed : str
-        Those of u and v whose end is their beginning.
+        Those of u and v whose end is their beginning: ``""``, ``"u"``, ``"v"`` or ``"uv"``.
     twisted : bool
         Whether u comes back with v turned round.
+
+    Raises
+    ------
+    InputError
+        If `closed` is another word, the surface is twisted and not closed along u, or a number's
+        name is taken by an argument of :func:`surface`.
     """
 
-    numbers: dict[str, Number]
+    header: str | Path
+    numbers: Mapping[str, Number]
     closed: str = ""
     twisted: bool = False
 
+    def __post_init__(self) -> None:
+        if self.closed not in ("", "u", "v", "uv"):
+            raise InputError(f"expected closed to be '', 'u', 'v' or 'uv', got {self.closed!r}")
+        refuse_names(self.numbers, _TAKEN)
+        if self.twisted and "u" not in self.closed:
+            raise InputError(f"expected a twisted surface to be closed in u, got {self.closed!r}")
 
-_RADIUS: Final = Number(1.0)
+
+_LARGEST: Final = 1e18  # squares are still finite
+_RADIUS: Final = Number(1.0, high=_LARGEST)
 _EXPONENT: Final = Number(0.4, low=0.1, high=2.0)
 # half turns are counted in whole numbers
 _TURNS: Final = Number(2.0, low=0.5, high=64.0, step=0.5)
 
 SURFACES: Final = {
-    "sphere": Surface({"radius": _RADIUS}, closed="u"),
-    "torus": Surface({"radius": _RADIUS, "tube": Number(0.4)}, closed="uv"),
-    "moebius": Surface({"radius": _RADIUS, "width": Number(0.6)}, closed="u", twisted=True),
-    "klein": Surface({"radius": Number(2.0), "size": _RADIUS}, closed="uv", twisted=True),
-    "helicoid": Surface({"radius": _RADIUS, "pitch": Number(1.0), "turns": _TURNS}),
-    "seashell": Surface(
+    "sphere": ParametricSurface("curved/surface/sphere.h", {"radius": _RADIUS}, closed="u"),
+    "torus": ParametricSurface(
+        "curved/surface/torus.h",
+        {"radius": _RADIUS, "tube": Number(0.4, high=_LARGEST)},
+        closed="uv",
+    ),
+    "moebius": ParametricSurface(
+        "curved/surface/moebius.h",
+        {"radius": _RADIUS, "width": Number(0.6, high=_LARGEST)},
+        closed="u",
+        twisted=True,
+    ),
+    "klein": ParametricSurface(
+        "curved/surface/klein.h",
+        {"radius": Number(2.0, high=_LARGEST), "size": _RADIUS},
+        closed="uv",
+        twisted=True,
+    ),
+    "helicoid": ParametricSurface(
+        "curved/surface/helicoid.h",
+        {"radius": _RADIUS, "pitch": Number(1.0, high=_LARGEST), "turns": _TURNS},
+    ),
+    "seashell": ParametricSurface(
+        "curved/surface/seashell.h",
         {
             "turns": Number(4.0, low=0.5, high=64.0, step=0.5),
             "growth": Number(2.0, low=1.01, high=100.0),
-            "tube": Number(0.5),
-            "height": Number(1.2, low=0.0),
+            "tube": Number(0.5, high=_LARGEST),
+            "height": Number(1.2, low=0.0, high=_LARGEST),
         },
         closed="v",
     ),
-    "superquadric": Surface(
-        {"radius": _RADIUS, "along": _EXPONENT, "across": _EXPONENT}, closed="u"
+    "superquadric": ParametricSurface(
+        "curved/surface/superquadric.h",
+        {"radius": _RADIUS, "along": _EXPONENT, "across": _EXPONENT},
+        closed="u",
     ),
 }
 
 
 def surface(
-    name: str,
+    shape: str | ParametricSurface,
+    /,
     *,
     patches: tuple[int, int] = (8, 4),
     factor: float = 5.0,
@@ -79,8 +122,8 @@ def surface(
 
     Parameters
     ----------
-    name : str
-        A key of :data:`SURFACES`: sphere, torus, moebius, klein, helicoid, seashell, superquadric.
+    shape : str or ParametricSurface
+        sphere, torus, moebius, klein, helicoid, seashell, superquadric, or one of your own.
     patches : (int, int), optional
         Quads along u and along v.
     factor : float, optional
@@ -117,39 +160,44 @@ def surface(
     >>> surface("torus", patches=(8, 4), factor=5, tube=0.3)
     Mesh(1152 vertices, 1600 triangles)
     """
-    one_of("surface", name, SURFACES)
-    shape = shape_numbers(name, SURFACES[name].numbers, numbers)
+    kind = _named(shape)
+    given = checked_numbers(Path(kind.header).stem, kind.numbers, numbers)
     across, down = (
         whole("patches", count, 1, _MOST_PATCHES) for count in _pair("patches", patches)
     )
     device = device or Device.open()
-    evaluate = _evaluation(name, (across, down), shape, device)
+    evaluate = _evaluation(kind, (across, down), given, device)
     return uniform_mesh(across * down, factor, partitioning, device, evaluate)
 
 
+def _named(shape: object) -> ParametricSurface:
+    if isinstance(shape, ParametricSurface):
+        return shape
+    if not isinstance(shape, str):
+        raise InputError(f"expected a surface's name or a ParametricSurface, got {shape!r}")
+    return SURFACES[one_of("surface", shape, SURFACES)]
+
+
 def _evaluation(
-    name: str, patches: tuple[int, int], shape: Mapping[str, float], device: Device
+    kind: ParametricSurface, patches: tuple[int, int], given: Mapping[str, float], device: Device
 ) -> Evaluate:
     """Return what puts the points of a pattern on the surface."""
-    closed, (across, down) = SURFACES[name].closed, patches
+    across, down = patches
+    defines = {
+        **formula_defines("SURFACE", kind.header, given),
+        "CLOSED_U": int("u" in kind.closed),
+        "CLOSED_V": int("v" in kind.closed),
+        "TWISTED": int(kind.twisted),
+    }
 
     def evaluate(pattern: DevicePattern, vertices: DeviceVertices, items: int, group: int) -> None:
-        kernel = device.kernel(
-            "curved/surface.cl",
-            "surface_points",
-            GROUP=group,
-            SURFACE=f'"curved/surface/{name}.h"',
-            CLOSED_U=int("u" in closed),
-            CLOSED_V=int("v" in closed),
-            TWISTED=int(SURFACES[name].twisted),
-            **{number.upper(): index for index, number in enumerate(shape)},
-        )
+        kernel = device.kernel("curved/surface.cl", "surface_points", **{**defines, "GROUP": group})
         kernel(
             (items,),
             (group,),
             across=across,
             down=down,
-            shape=device.array(np.array(list(shape.values()), np.float32)),
+            shape=formula_numbers(device, given),
             point_offsets=pattern.point_offsets,
             points=pattern.points,
             positions=vertices.positions,

@@ -20,7 +20,7 @@ from contextlib import contextmanager
 from functools import cache
 from math import prod
 from operator import index
-from pathlib import PurePosixPath
+from pathlib import Path, PurePosixPath
 from typing import Any, Final
 
 import numpy as np
@@ -29,12 +29,12 @@ import pyopencl as cl
 
 from ..errors import DeviceError, InputError
 from . import layout
-from .drivers import choose, info_of, named
+from .drivers import choose, info_of, named, require_own_process
 from .info import require_memory
 from .linker.offer import provide_linker
 from .memory import Memory
 from .parameters import Parameter
-from .sources import kernel_source, with_true_places
+from .sources import Define, kernel_source, with_true_places
 from .timeline import Timeline
 
 DEVICE_VARIABLE: Final = "TERRAIN_LOD_DEVICE"
@@ -61,7 +61,7 @@ class Device:
             provide_linker()
         with named(f"opening {self.info}"):
             self.context = cl.Context([handle])
-            self.queue = cl.CommandQueue(
+            self._queue = cl.CommandQueue(
                 self.context, properties=cl.command_queue_properties.PROFILING_ENABLE
             )
         self.memory = Memory(self.info.memory, self.queue)
@@ -70,7 +70,7 @@ class Device:
         self._exact_division = bool(
             handle.single_fp_config & cl.device_fp_config.CORRECTLY_ROUNDED_DIVIDE_SQRT
         )
-        # by file and defines, the one used last at the end
+        # by file and defines, or by the text with a header from elsewhere; used last at the end
         self._programs: dict[tuple[str, str], tuple[cl.Program, dict[str, Kernel]]] = {}
         self._of_thread = threading.local()
 
@@ -95,6 +95,12 @@ class Device:
 
     def __repr__(self) -> str:
         return f"<Device {self.info}>"
+
+    @property
+    def queue(self) -> cl.CommandQueue:
+        """What every launch and transfer passes through."""
+        require_own_process()
+        return self._queue
 
     @property
     def is_gpu(self) -> bool:
@@ -159,20 +165,28 @@ class Device:
 
     # kernels
 
-    def kernel(self, file: str, name: str, **defines: int | float | str) -> Kernel:
+    def kernel(self, file: str, name: str, **defines: Define) -> Kernel:
         """Return kernel `name` of ``kernels/<file>``, built for a set of `defines`.
 
-        Programs that were lately asked for are kept.
+        Programs that were lately asked for are kept. A header from elsewhere is read every time, so
+        that one that was edited is built again.
 
         Raises
         ------
         DeviceError
             With the compiler's log, if it does not build.
+        FileError
+            If a header from elsewhere cannot be read.
         """
-        key = (file, repr(sorted(defines.items())))  # 1, 1.0 and True differ
+        require_own_process()
+        source, content = None, repr(sorted(defines.items()))  # 1, 1.0 and True differ
+        if any(isinstance(value, Path) for value in defines.values()):
+            source = content = self._source(file, defines)
+        key = (file, content)
         with self.lock:
             if key not in self._programs:
-                self._programs[key] = self._build(file, defines), {}
+                source = source or self._source(file, defines)
+                self._programs[key] = self._build(file, source), {}
             program, kernels = self._programs[key] = self._programs.pop(key)
             if len(self._programs) > _KEPT:
                 del self._programs[next(iter(self._programs))]
@@ -182,11 +196,13 @@ class Device:
                 kernels[name] = Kernel(self, handle, stage=PurePosixPath(file).stem)
             return kernels[name]
 
-    def _build(self, file: str, defines: Mapping[str, int | float | str]) -> cl.Program:
+    def _source(self, file: str, defines: Mapping[str, Define]) -> str:
+        return kernel_source(file, {"layout.h": layout.header()}, defines)
+
+    def _build(self, file: str, source: str) -> cl.Program:
         options = ["-cl-std=CL1.2", "-cl-kernel-arg-info"]
         if self._exact_division:
             options.append("-cl-fp32-correctly-rounded-divide-sqrt")
-        source = kernel_source(file, {"layout.h": layout.header()}, defines)
         try:
             with warnings.catch_warnings():
                 # pyopencl warns of any remark that a compiler makes
@@ -273,15 +289,33 @@ class DeviceArray:
             with named("writing", self):
                 cl.enqueue_copy(self.device.queue, self.buffer, flat, dst_offset=offset)
 
-    def copy(self) -> DeviceArray:
-        """Return another array of the same values."""
-        other = self.device.empty(self.shape, self.dtype)
-        if self.size:
+    def copy(self, first: int, end: int) -> DeviceArray:
+        """Return another array of the rows from `first` to before `end`."""
+        other = self.device.empty((end - first, *self.shape[1:]), self.dtype)
+        row = prod(self.shape[1:]) * self.dtype.itemsize
+        if other.size:
             with named("copying", self):
                 cl.enqueue_copy(
-                    self.device.queue, other.buffer, self.buffer, byte_count=self.nbytes
+                    self.device.queue,
+                    other.buffer,
+                    self.buffer,
+                    src_offset=first * row,
+                    byte_count=other.nbytes,
                 )
         return other
+
+    def paste(self, other: DeviceArray, first: int) -> None:
+        """Overwrite the rows from `first` on with those of another array on the device."""
+        row = prod(self.shape[1:]) * self.dtype.itemsize
+        if other.size:
+            with named("copying", other):
+                cl.enqueue_copy(
+                    self.device.queue,
+                    self.buffer,
+                    other.buffer,
+                    dst_offset=first * row,
+                    byte_count=other.nbytes,
+                )
 
     def fill(self, value: float) -> DeviceArray:
         """Set every element to `value` and return the array."""

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import signal
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from typing import Final
@@ -22,13 +24,18 @@ def devices() -> tuple[DeviceInfo, ...]:
     return tuple(info_of(handle) for handle in handles())
 
 
-def handles() -> list[cl.Device]:
-    global _listing_process
-    if _listing_process not in (None, os.getpid()):  # drivers' threads do not survive a fork
+def require_own_process() -> None:
+    """Refuse to use a driver in a fork: its threads have stayed behind, and waits would not end."""
+    if _listing_process not in (None, os.getpid()):
         raise DeviceError(
             "expected a process of its own for OpenCL, got a fork of one that uses it already: "
             "start workers with  multiprocessing.get_context('spawn')"
         )
+
+
+def handles() -> list[cl.Device]:
+    global _listing_process
+    require_own_process()
     _listing_process = os.getpid()
     try:
         platforms = cl.get_platforms()
@@ -38,7 +45,21 @@ def handles() -> list[cl.Device]:
     for platform in platforms:
         with suppress(cl.Error):  # a platform without a device
             found += platform.get_devices()
+    _take_signals_back()
     return sorted(found, key=lambda handle: not is_gpu(handle))
+
+
+def _take_signals_back() -> None:
+    """Handle signals as before: PoCL's compiler, LLVM, takes them as its devices are listed.
+
+    At Ctrl-C it would remove the files that it is working on, under itself, before Python hears of
+    it: a build that fails, or the end of the process.
+    """
+    if threading.current_thread() is threading.main_thread():
+        for number in signal.valid_signals():
+            handler = signal.getsignal(number)
+            if callable(handler):
+                signal.signal(number, handler)
 
 
 def is_gpu(handle: cl.Device) -> bool:

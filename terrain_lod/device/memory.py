@@ -8,6 +8,8 @@ from typing import Final
 import pyopencl as cl
 from pyopencl.tools import ImmediateAllocator, MemoryPool
 
+from .drivers import require_own_process
+
 # larger allocations are given back at once
 _LARGEST_KEPT: Final = 2**28
 
@@ -40,6 +42,7 @@ class Memory:
         What arrays have freed is kept for the next, which the queue's order makes safe: about as
         much as was lately in use at a time, and none where the device would run short.
         """
+        require_own_process()  # before a lock that a thread may have held at the fork
         with self._lock:
             held = self._pool.managed_bytes - self._pool.active_bytes
             # half of it is forgotten in ten meshes, of some thirty arrays each

@@ -9,21 +9,24 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from hashlib import sha256
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
+import numpy.typing as npt
 from PIL import Image, ImageDraw, ImageFont
 
 from ..camera.camera import Camera
 from ..errors import FileError, InputError
+from ..ground.heightmap import Heightmap
 from ..mesh.mesh import Mesh
 from ..paths import replacing, require_made
-from ..terrain.lod import Lod, PromiseLod
+from ..terrain.lod import AnyLod, checked_lod, unweighted
 from ..terrain.terrain import Terrain
 from .drape import Drape
 from .graphics import require_graphics
-from .render import Picture, render, save_png
+from .picture import SUN, Picture, draw, save_png
 
 _NOTES: Final = "frames.json"  # what the pictures of a folder show
 _TEXT_HEIGHT: Final = 1 / 36  # of the picture
@@ -32,12 +35,12 @@ _GAP: Final = 2  # pixels between two pictures
 
 @dataclass(frozen=True, eq=False)
 class Look:
-    """How pictures are drawn; see :func:`terrain_lod.drawing.render.render`."""
+    """How pictures are drawn; see :func:`terrain_lod.render`."""
 
     style: str = "shaded"
-    sun: tuple[float, float] = (315.0, 40.0)
+    sun: tuple[float, float] = SUN
     drape: Drape | None = None
-    edges: bool = False
+    wireframe: bool = False
     counts: bool = True
 
 
@@ -46,9 +49,10 @@ def render_path(
     cameras: Sequence[Camera],
     directory: str | Path,
     *,
-    lods: Sequence[Lod | PromiseLod],
+    lods: Sequence[AnyLod],
     look: Look = Look(),
-    edges: str | None = None,
+    edge_rule: str | None = None,
+    partitioning: str = "fractional_odd",
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[Path, ...]:
     """Write a picture a camera, named 0000.png and on.
@@ -59,11 +63,11 @@ def render_path(
     cameras : sequence of Camera
     directory : str or Path
         Made if it is not there. Pictures that are there already stay.
-    lods : sequence of Lod or PromiseLod
+    lods : sequence of Lod, PromiseLod or Weighted
         One, or two to be shown side by side.
     look : Look, optional
-    edges : {"min", "max"}, optional
-        Rule for the factors of shared edges; see :meth:`terrain_lod.Terrain.mesh`.
+    edge_rule, partitioning : str, optional
+        As for :meth:`terrain_lod.Terrain.mesh`.
     progress : callable, optional
         Called with pictures done and pictures in all.
 
@@ -81,16 +85,19 @@ def render_path(
     FileError
         If the folder or a picture cannot be written.
     """
+    meshing: dict[str, Any] = {"edge_rule": edge_rule, "partitioning": partitioning}
     if len(lods) not in (1, 2):
         raise InputError(f"expected one or two levels of detail, got {len(lods)}")
+    for lod in lods:
+        checked_lod(lod)
     require_graphics()
     folder = require_made(Path(directory))
-    _require_same(folder, _description(terrain, cameras, lods, look, edges))
+    _require_same(folder, _description(terrain, cameras, lods, look, meshing))
     digits = max(4, len(str(len(cameras) - 1)))
     paths = tuple(folder / f"{number:0{digits}d}.png" for number in range(len(cameras)))
     for number, (camera, path) in enumerate(zip(cameras, paths, strict=True)):
         if not path.exists():
-            save_png(_picture(terrain, camera, lods, look, edges), path)
+            save_png(_picture(terrain, camera, lods, look, meshing), path)
         if progress is not None:
             progress(number + 1, len(cameras))
     return paths
@@ -99,9 +106,9 @@ def render_path(
 def _picture(
     terrain: Terrain,
     camera: Camera,
-    lods: Sequence[Lod | PromiseLod],
+    lods: Sequence[AnyLod],
     look: Look,
-    edges: str | None,
+    meshing: dict[str, Any],
 ) -> Picture:
     """Return the picture of one camera, a part of its width a LOD."""
     width, height = camera.size
@@ -109,29 +116,29 @@ def _picture(
     picture = np.full((height, width, 3), 255, np.uint8)
     for number, lod in enumerate(lods):
         seen = replace(camera, size=(max(1, part), height))
-        mesh = terrain.mesh(seen, lod=lod, edges=edges)
-        shown = render(
+        mesh = terrain.mesh(seen, lod=lod, **meshing)
+        shown = draw(
             mesh,
             seen,
             style=look.style,
             sun=look.sun,
             height_range=terrain.ground.height_range,
             drape=look.drape,
-            edges=look.edges,
+            wireframe=look.wireframe,
         )
         if look.counts:
-            shown = _labelled(shown, _label(mesh, lod))
+            shown = _labelled(shown, _label(mesh, lod, terrain.ground.unit_symbols[1]))
         left = number * (part + _GAP)
         picture[:, left : left + shown.shape[1]] = shown
     return picture
 
 
-def _label(mesh: Mesh, lod: Lod | PromiseLod) -> str:
-    name = type(lod).__name__.removesuffix("Lod")
+def _label(mesh: Mesh, lod: AnyLod, unit: str) -> str:
+    name = type(unweighted(lod)).__name__.removesuffix("Lod")
     if mesh.achieved is None:
         return f"{name}: {len(mesh.triangles):,} triangles"
     pixels = mesh.achieved.pixels
-    error = f"{mesh.achieved.metres:.3g} m" if pixels is None else f"{pixels:.2f} pixels"
+    error = f"{mesh.achieved.metres:.3g} {unit}" if pixels is None else f"{pixels:.2f} pixels"
     return f"{name}: {len(mesh.triangles):,} triangles, error {error}"
 
 
@@ -154,19 +161,32 @@ def _labelled(picture: Picture, text: str) -> Picture:
 def _description(
     terrain: Terrain,
     cameras: Sequence[Camera],
-    lods: Sequence[Lod | PromiseLod],
+    lods: Sequence[AnyLod],
     look: Look,
-    edges: str | None,
+    meshing: dict[str, Any],
 ) -> dict[str, object]:
     """Return what makes the pictures what they are."""
-    drape = None if look.drape is None else int(look.drape.picture.astype(np.uint64).sum())
+    detail = None if terrain.detail is None else _fingerprint(terrain.detail)
+    drape = None if look.drape is None else _digest(look.drape.picture)
     return {
-        "terrain": repr(terrain),
+        "ground": [_fingerprint(terrain.ground), detail],
+        "tiles": [terrain.grid.tile, _digest(terrain.analysis.deviation)],
         "cameras": [repr(camera) for camera in cameras],
         "lods": [repr(lod) for lod in lods],
-        "edges": edges,
-        "look": [look.style, list(look.sun), look.edges, look.counts, drape],
+        **meshing,
+        "look": [look.style, list(look.sun), look.wireframe, look.counts, drape],
     }
+
+
+def _fingerprint(ground: Heightmap) -> list[object]:
+    """Return what tells a ground from every other."""
+    mask = None if ground.mask is None else _digest(ground.mask)
+    return [_digest(ground.heights), mask, ground.base, *ground.spacing, *ground.origin]
+
+
+def _digest(values: npt.NDArray[Any]) -> str:
+    shape = repr((values.shape, values.dtype.str)).encode()
+    return sha256(shape + np.ascontiguousarray(values).tobytes()).hexdigest()
 
 
 def _require_same(folder: Path, description: dict[str, object]) -> None:
@@ -175,13 +195,14 @@ def _require_same(folder: Path, description: dict[str, object]) -> None:
     try:
         known = json.loads(notes.read_text(encoding="utf-8")) if notes.exists() else None
     except ValueError:
-        known = {}
+        known = None
     except OSError as error:
         raise FileError(f"cannot read {notes}: {error.strerror}") from None
     if known == description:
         return
-    if known is not None and any(folder.glob("[0-9]*.png")):
-        changed = ", ".join(name for name in description if known.get(name) != description[name])
+    if any(folder.glob("[0-9]*.png")):
+        noted = known if isinstance(known, dict) else {}
+        changed = ", ".join(name for name in description if noted.get(name) != description[name])
         raise InputError(
             f"expected a folder of the same pictures to go on with, got {folder} with other "
             f"{changed}: empty it or choose another"

@@ -1,94 +1,71 @@
-"""A picture of a mesh, drawn off screen: shaded, as wireframe, or coloured by level of detail.
-
-Colours are worked out here, one a vertex or one a triangle, and drawn without lights: VTK only
-projects and hides. So a picture is the same on every driver.
-"""
+"""``tl.render``: a picture of ground, of a terrain or of any mesh, in one call."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
 
-import numpy as np
-import numpy.typing as npt
-from PIL import Image
-
-from ..arguments import finite, one_of
+from ..arguments import one_of
 from ..camera.camera import Camera
+from ..camera.viewpoint import camera_around, default_camera
+from ..device.device import Device
 from ..errors import InputError
+from ..ground.heightmap import Heightmap
 from ..mesh.mesh import Mesh
-from ..paths import replacing, require_folder
-from .colours import (
-    Colours,
-    facing,
-    hypsometric,
-    lit,
-    lod_colours,
-    mixed,
-    sun_direction,
-    to_bytes,
-)
+from ..terrain.lod import Lod, PromiseLod, Weighted
+from ..terrain.terrain import Terrain
 from .drape import Drape
 from .graphics import require_graphics
-
-if TYPE_CHECKING:
-    import pyvista
-
-Picture = npt.NDArray[np.uint8]
-"""(H, W, 3) red, green, blue; row 0 at the top."""
-
-STYLES: Final = ("shaded", "plain", "wireframe", "lod")
-
-# drawn this many times larger along both axes, then averaged: smooth edges and lines
-_OVERSAMPLING: Final = 2
-_LARGEST_WINDOW: Final = 8192  # pixels along one axis, in reach of every driver
-
-HORIZON: Final = (0.82, 0.87, 0.91)
-ZENITH: Final = (0.42, 0.60, 0.80)
-_PAPER: Final = (0.97, 0.97, 0.95)
-_CLAY: Final = (0.86, 0.80, 0.72)
-INK: Final = (0.10, 0.14, 0.20)
-_LINE_WIDTH: Final = 1.0  # of the enlarged picture's pixels
-_NIGHT: Final = (0.16, 0.17, 0.19)  # behind LOD colours, so that black patches stand out
+from .picture import STYLES, SUN, SUN_ON_MESHES, Picture, draw, require_png, save_png
 
 
 def render(
-    mesh: Mesh,
-    camera: Camera,
+    what: Heightmap | Terrain | Mesh,
     path: str | Path | None = None,
     *,
-    style: str = "shaded",
-    sun: tuple[float, float] = (315.0, 40.0),
+    camera: Camera | None = None,
+    lod: Lod | PromiseLod | Weighted | None = None,
+    style: str | None = None,
+    sun: tuple[float, float] | None = None,
+    texture: str | Path | None = None,
+    wireframe: bool = False,
     height_range: tuple[float, float] | None = None,
     factor_range: tuple[float, float] | None = None,
-    drape: Drape | None = None,
-    edges: bool = False,
+    device: Device | None = None,
 ) -> Picture:
-    """Draw `mesh` as `camera` sees it. Needs no display.
+    """Draw a picture of ground or of a mesh. Needs no display.
 
     Parameters
     ----------
-    mesh : Mesh
-    camera : Camera
-        Its size is the picture's.
+    what : Heightmap, Terrain or Mesh
+        Ground; a terrain, which is ground in tiles of your own and saves time from the second
+        picture on; or triangles as they are.
     path : str or Path, optional
         Where to write the picture as PNG.
+    camera : Camera, optional
+        Its size is the picture's. Default: a good view over the ground, or around the mesh.
+    lod : Lod, PromiseLod or Weighted, optional
+        Of ground and terrain, as for :meth:`Terrain.mesh`.
     style : str, optional
         ``"shaded"``: sunlit ground, tinted by height, with haze. ``"plain"``: sunlit, all of one
         colour, for what is no ground. ``"wireframe"``: its triangles, hidden ones left out.
-        ``"lod"``: a colour a patch, by its inside factors: red the most detail of `factor_range`,
-        then yellow, green and blue, black the least.
+        ``"lod"``: a colour a patch, by its inside factors: red the most of `factor_range`, then
+        yellow, green and blue, black the least. Default: shaded, or plain for a mesh that no
+        terrain made.
     sun : (float, float), optional
         Where the light comes from: degrees clockwise from north, degrees above the horizon.
+        Default: 315, 40, as maps are lit; 200, 40, over the shoulder, for a mesh that no terrain
+        made.
+    texture : str or Path, optional
+        Picture laid over ground or terrain in place of tints, row 0 north. For style "shaded".
+    wireframe : bool, optional
+        Draw the triangles over any style.
     height_range : (float, float), optional
-        World heights of the lowest and the highest tint. Default: those of the mesh. Give the
-        ground's to compare pictures of several meshes.
+        World heights of the lowest and the highest tint. Default: those of the ground, or of the
+        mesh. Give the ground's to compare pictures of several meshes.
     factor_range : (float, float), optional
         Factors shown as black and as red. Default: 1 and the cells of a tile.
-    drape : Drape, optional
-        A picture in place of the tints, for style "shaded".
-    edges : bool, optional
-        Draw the triangles' edges over any style.
+    device : Device, optional
+        For ground; a terrain has its own.
 
     Returns
     -------
@@ -100,244 +77,57 @@ def render(
     GraphicsError
         If this machine cannot draw; the message names the command that mends it.
     InputError
-        If the style is unknown, a range falls, the picture is larger than drivers allow, or the
-        name does not end in .png.
+        If `what` is none of these, an option is not for it or unknown, a range falls, the picture
+        is larger than drivers allow, or the name does not end in .png.
     FileError
-        If the picture cannot be written.
+        If the texture cannot be read or the picture cannot be written.
+    DeviceMemoryError
+        If the device cannot hold the ground or its mesh.
+
+    Examples
+    --------
+    >>> picture = render(tl.sample("ridge"), "ridge.png", style="lod")      # doctest: +SKIP
     """
+    if not isinstance(what, Heightmap | Terrain | Mesh):
+        raise InputError(f"expected ground, a terrain or a mesh, got {type(what).__name__}")
+    _refuse(what, lod=lod, texture=texture, device=device)
+    if style is not None:
+        one_of("style", style, STYLES)
     if path is not None:
         require_png(path)
-    if max(camera.size) > _LARGEST_WINDOW:
-        raise InputError(f"expected a size of at most {_LARGEST_WINDOW} pixels, got {camera.size}")
-    direction = sun_direction(finite("sun azimuth", sun[0]), finite("sun elevation", sun[1]))
-    if one_of("style", style, STYLES) != "shaded" and drape is not None:
-        raise InputError(f"expected style 'shaded' with a drape, got {style!r}")
-    if drape is not None:
-        colours = lit(np.ones_like(mesh.vertices), mesh.normals, direction)
-    elif style == "shaded":
-        colours = _shaded(mesh, camera, direction, height_range)
-    elif style == "plain":
-        clay = np.broadcast_to(np.asarray(_CLAY, np.float32), mesh.vertices.shape)
-        colours = lit(clay, mesh.normals, direction)
-    elif style == "lod":
-        colours = _by_detail(mesh, direction, factor_range)
-    else:
-        colours = np.broadcast_to(np.asarray(_PAPER, np.float32), mesh.vertices.shape)
     require_graphics()
-    picture = _draw(mesh, camera, to_bytes(colours), style, drape, edges or style == "wireframe")
+    if isinstance(what, Heightmap):
+        what = Terrain(what, device=device)
+    drape = None
+    if isinstance(what, Terrain):
+        ground = what.ground
+        drape = None if texture is None else Drape.load(Path(texture), ground)
+        height_range = height_range or ground.height_range
+        camera = camera or default_camera(ground)
+        what = what.mesh(camera, lod=lod)
+    elif camera is None:
+        camera = camera_around(what.vertices, what.origin)
+    is_ground = what.patches is not None
+    picture = draw(
+        what,
+        camera,
+        style=style or ("shaded" if is_ground else "plain"),
+        sun=sun or (SUN if is_ground else SUN_ON_MESHES),
+        height_range=height_range,
+        factor_range=factor_range,
+        drape=drape,
+        wireframe=wireframe,
+    )
     if path is not None:
         save_png(picture, path)
     return picture
 
 
-def save_png(picture: Picture, path: str | Path) -> Path:
-    """Write `picture` as PNG, under a temporary name first; return its path.
-
-    Raises
-    ------
-    InputError
-        If the name does not end in .png.
-    FileError
-        If the file cannot be written.
-    """
-    require_png(path)
-    with replacing(path) as temporary:
-        Image.fromarray(picture).save(temporary, format="png")
-    return Path(path)
-
-
-def require_png(path: str | Path) -> None:
-    """Say so before the work begins if `path` is no file that a picture can be written to.
-
-    Raises
-    ------
-    InputError
-        If the name does not end in .png.
-    FileError
-        If its folder does not exist or cannot be written.
-    """
-    if Path(path).suffix.lower() != ".png":
-        raise InputError(f"expected a name that ends in .png for a picture, got {Path(path).name}")
-    require_folder(Path(path))
-
-
-# colours
-
-
-def _shaded(
-    mesh: Mesh,
-    camera: Camera,
-    sun: npt.NDArray[np.float32],
-    height_range: tuple[float, float] | None,
-) -> Colours:
-    """Return the colour of each vertex: tinted by height, lit, and fading into the distance."""
-    heights = mesh.vertices[:, 2] + np.float32(mesh.origin[2])
-    if height_range is None:
-        height_range = (float(heights.min()), float(heights.max())) if len(heights) else (0.0, 1.0)
-    low, high = (finite("height_range", bound) for bound in height_range)
-    if low > high:
-        raise InputError(f"expected a height_range that rises, got {height_range}")
-    colours = lit(hypsometric(heights, mesh.normals, (low, high)), mesh.normals, sun)
-    # at the mesh's own length away, a quarter of what is seen is air
-    away = np.linalg.norm(mesh.vertices - np.subtract(camera.eye, mesh.origin), axis=1)
-    length = float(np.linalg.norm(np.ptp(mesh.vertices[:, :2], axis=0))) if len(heights) else 1.0
-    return mixed(colours, (1 - np.exp(-0.3 * away / length)).astype(np.float32), HORIZON)
-
-
-def _by_detail(
-    mesh: Mesh, sun: npt.NDArray[np.float32], factor_range: tuple[float, float] | None
-) -> Colours:
-    """Return the colour of each triangle: its patch's detail, with enough light to see relief."""
-    if mesh.patches is None:
-        raise InputError("expected a mesh with patches for style 'lod', got one without")
-    if factor_range is None:
-        factor_range = (1.0, max(2.0, float(mesh.patches.tile)))
-    if not finite("factor_range", factor_range[0]) < finite("factor_range", factor_range[1]):
-        raise InputError(f"expected a factor_range that rises, got {factor_range}")
-    detail = lod_colours(mesh.patches.inside_factors.mean(axis=1), factor_range)
-    a, b, c = (mesh.vertices[mesh.triangles[:, corner]] for corner in range(3))
-    across = np.cross(b - a, c - a)
-    across /= np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-30)
-    light = 0.55 + 0.45 * facing(across, sun)
-    return (detail[mesh.triangle_patches] * light[:, None]).astype(np.float32)
-
-
-# drawing
-
-
-def _draw(
-    mesh: Mesh,
-    camera: Camera,
-    colours: npt.NDArray[np.uint8],
-    style: str,
-    drape: Drape | None,
-    edges: bool,
-) -> Picture:
-    """Return the picture of `mesh` with a colour a vertex or a triangle."""
-    import pyvista
-
-    width, height = camera.size
-    scale = _OVERSAMPLING if _OVERSAMPLING * max(width, height) <= _LARGEST_WINDOW else 1
-    background = _background(camera, height * scale, style)
-    depths = _depth_range(mesh, camera)
-    if depths is None:
-        picture = np.broadcast_to(background, (height * scale, width * scale, 3))
-        return _averaged(picture, scale)
-    plotter = pyvista.Plotter(
-        off_screen=True, window_size=[width * scale, height * scale], lighting=None
-    )
-    try:
-        plotter.disable_anti_aliasing()
-        surface = pyvista.PolyData.from_regular_faces(mesh.vertices, mesh.triangles)
-        data = surface.cell_data if style == "lod" else surface.point_data
-        data["colour"] = colours
-        filled = _add(plotter, surface, scalars="colour", rgb=True)
-        if drape is not None:
-            drape.lay(mesh, surface, filled)
-        covered = _point_camera(plotter, mesh, camera, depths)
-        if edges:
-            # lines lie in the faces they bound: the faces step back by one unit of depth
-            filled.mapper.SetResolveCoincidentTopologyToPolygonOffset()
-            filled.mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(1.0, 1.0)
-            lines = surface.copy(deep=False)
-            _add(plotter, lines, style="wireframe", color=INK, line_width=_LINE_WIDTH)
-        if style == "wireframe":
-            plotter.set_background(_PAPER)
-            return _averaged(_screenshot(plotter), scale)
-        return _averaged(np.where(covered[..., None], _screenshot(plotter), background), scale)
-    finally:
-        plotter.close()
-
-
-def _add(plotter: pyvista.Plotter, surface: pyvista.PolyData, **look: Any) -> Any:
-    """Add `surface` to the picture as it is: no lights, no copy, no camera of VTK's own."""
-    return plotter.add_mesh(
-        surface, lighting=False, copy_mesh=False, reset_camera=False, render=False, **look
-    )
-
-
-def _screenshot(plotter: pyvista.Plotter) -> Picture:
-    return np.asarray(plotter.screenshot(return_img=True))[..., :3]
-
-
-def _background(camera: Camera, rows: int, style: str) -> Picture:
-    """Return what is behind the ground, a colour a row: (rows, 1, 3)."""
-    if style != "shaded":
-        plain = np.asarray(_NIGHT if style == "lod" else _PAPER, np.float32)
-        return np.broadcast_to(to_bytes(plain), (rows, 1, 3))
-    # how far up the middle of each row looks; the sky is palest at the horizon, or at the middle
-    # of a picture that looks down
-    _, upward, forward = camera.axes
-    offsets = camera.half_extents[1] * (1 - (2 * np.arange(rows) + 1) / rows)
-    rays = forward + offsets[:, None] * upward * (camera.height is None)
-    rise = np.arcsin(rays[:, 2] / np.linalg.norm(rays, axis=1))
-    above = rise - min(0.0, float(np.arcsin(forward[2])))
-    blue = np.clip(above / np.radians(45), 0.0, 1.0).astype(np.float32)
-    horizon = np.broadcast_to(np.asarray(HORIZON, np.float32), (rows, 3))
-    return to_bytes(mixed(horizon, blue, ZENITH))[:, None]
-
-
-def _depth_range(mesh: Mesh, camera: Camera) -> tuple[float, float] | None:
-    """Return depths that hold what can be seen of `mesh`; None if all of it is behind the eye."""
-    if not len(mesh.triangles):
-        return None
-    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
-    corners = np.stack(np.meshgrid(*zip(low, high, strict=True)), axis=-1).reshape(-1, 3)
-    _, depth = camera.project(corners + mesh.origin)
-    # twice as deep as need be, so that what is deepest differs from nothing in the depth buffer
-    near, far = max(camera.near, 0.99 * float(depth.min())), min(camera.far, 2 * float(depth.max()))
-    return (near, far) if near < far else None
-
-
-def _point_camera(
-    plotter: pyvista.Plotter, mesh: Mesh, camera: Camera, depths: tuple[float, float]
-) -> npt.NDArray[np.bool_]:
-    """Stand VTK's camera where ours is, relative to the mesh's origin; return what it covers."""
-    target: Any = plotter.camera
-    target.position = np.subtract(camera.eye, mesh.origin)
-    target.focal_point = np.subtract(camera.target, mesh.origin)
-    target.up = camera.up
-    target.view_angle = camera.fov  # vertical, as ours
-    target.parallel_projection = camera.height is not None
-    target.parallel_scale = camera.half_extents[1]
-    target.clipping_range = depths
-    target.is_set = True
-    buffer = _depth_buffer(plotter)
-    if camera.height is None:
-        # In perspective a depth buffer has few steps far away when the near plane is close. So
-        # look once, and move the near plane out to the nearest thing seen.
-        near, far = depths
-        nearest = near * far / (far - float(buffer.min()) * (far - near))
-        target.clipping_range = (max(near, 0.95 * nearest), far)
-    return buffer < 1.0
-
-
-def stand(target: Any, camera: Camera, origin: npt.NDArray[np.float64]) -> None:
-    """Stand VTK's camera `target` where `camera` is, relative to the world point `origin`."""
-    target.position = np.subtract(camera.eye, origin)
-    target.focal_point = np.subtract(camera.target, origin)
-    target.up = camera.up
-    target.view_angle = camera.fov  # vertical, as ours
-    target.is_set = True
-
-
-def _depth_buffer(plotter: pyvista.Plotter) -> npt.NDArray[np.float32]:
-    """Return depths of the picture: 0 at the near plane, 1 at the far one and beyond; (H, W)."""
-    from vtkmodules.util.numpy_support import vtk_to_numpy
-    from vtkmodules.vtkCommonCore import vtkFloatArray
-
-    window, depths = plotter.render_window, vtkFloatArray()
-    window.Render()
-    width, height = window.GetSize()
-    window.GetZbufferData(0, 0, width - 1, height - 1, depths)
-    return np.asarray(vtk_to_numpy(depths)).reshape(height, width)[::-1]
-
-
-def _averaged(picture: Picture, scale: int) -> Picture:
-    """Return `picture` at 1 / `scale` of its size, each pixel the mean of scale x scale."""
-    rows, columns = picture.shape[0] // scale, picture.shape[1] // scale
-    total = np.full((rows, columns, 3), scale**2 // 2, np.uint16)  # half a step: rounds to nearest
-    for row in range(scale):
-        for column in range(scale):
-            total += picture[row::scale, column::scale]
-    return (total // scale**2).astype(np.uint8)
+def _refuse(what: Heightmap | Terrain | Mesh, **options: object) -> None:
+    """Say which of the options that are given is not for `what`."""
+    if isinstance(what, Heightmap):
+        return
+    foreign = ("device",) if isinstance(what, Terrain) else ("lod", "texture", "device")
+    for name in foreign:
+        if options[name] is not None:
+            raise InputError(f"expected ground with {name}=, got {what!r}")

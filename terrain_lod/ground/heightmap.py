@@ -19,6 +19,7 @@ import numpy.typing as npt
 from ..arguments import finite, positive
 from ..errors import InputError
 from .detail import between, reached, repeated, require_float32, steps_between
+from .units import symbol
 
 _LARGEST: Final = float(np.finfo(np.float32).max)
 
@@ -41,6 +42,9 @@ class Heightmap:
         True where there is no data, besides NaN and masked elements.
     crs : str, optional
         Coordinate reference system of the world axes, as an authority code or WKT.
+    units : (str, str), optional
+        Unit of x and y, and of heights, such as ``("metre", "metre")``. They say what numbers are
+        called; nothing is converted.
     name : str, optional
         What reports call this ground.
 
@@ -55,6 +59,7 @@ class Heightmap:
     mask : (R, C) bool or None
         True where there is no data; None where data is everywhere.
     crs : str or None
+    units : (str, str)
     name : str
 
     Raises
@@ -66,7 +71,7 @@ class Heightmap:
     Examples
     --------
     >>> Heightmap([[0, 1], [2, float("nan")]], spacing=30.0)
-    Heightmap(2 x 2, spacing=(30, 30), heights 0 to 2, 1 nodata)
+    Heightmap(2 x 2, spacing=(30, 30) m, heights 0 to 2 m, 1 nodata)
     """
 
     heights: npt.NDArray[np.float32]
@@ -75,6 +80,7 @@ class Heightmap:
     base: float
     mask: npt.NDArray[np.bool_] | None
     crs: str | None
+    units: tuple[str, str]
     name: str
 
     def __init__(
@@ -86,6 +92,7 @@ class Heightmap:
         base: float = 0.0,
         mask: npt.ArrayLike | None = None,
         crs: str | None = None,
+        units: tuple[str, str] = ("metre", "metre"),
         name: str = "ground",
     ) -> None:
         values, hole = _heights_and_holes(heights, mask)
@@ -96,6 +103,7 @@ class Heightmap:
         self._set("origin", tuple(finite("origin", value) for value in _pair("origin", origin)))
         self._set("base", finite("base", base) + shift)
         self._set("crs", crs)
+        self._set("units", _names("units", units))
         self._set("name", name)
 
     def _set(self, field: str, value: object) -> None:
@@ -180,6 +188,7 @@ class Heightmap:
             base=self.base + detail.base,
             mask=None if self.mask is None else reached(self.mask, steps),
             crs=self.crs,
+            units=self.units,
             name=self.name,
         )
 
@@ -238,6 +247,12 @@ class Heightmap:
         return (columns - 1) * self.spacing[0], (rows - 1) * self.spacing[1]
 
     @property
+    def unit_symbols(self) -> tuple[str, str]:
+        """What stands behind a number of x or y, and of height: ``("m", "m")``."""
+        across, up = self.units
+        return symbol(across), symbol(up)
+
+    @property
     def centre(self) -> tuple[float, float, float]:
         """World point in the middle of the ground's bounding box."""
         width, depth = self.extent
@@ -264,10 +279,11 @@ class Heightmap:
     def __repr__(self) -> str:
         rows, columns = self.shape
         low, high = self.height_range
+        across, up = self.unit_symbols
         holes = "" if self.mask is None else f", {int(self.mask.sum())} nodata"
         return (
-            f"Heightmap({rows} x {columns}, spacing=({self.spacing[0]:g}, {self.spacing[1]:g}), "
-            f"heights {low:g} to {high:g}{holes})"
+            f"Heightmap({rows} x {columns}, spacing=({self.spacing[0]:g}, {self.spacing[1]:g}) "
+            f"{across}, heights {low:g} to {high:g} {up}{holes})"
         )
 
 
@@ -278,6 +294,14 @@ def _pair(name: str, value: object) -> tuple[object, object]:
     pair = tuple(value)
     if len(pair) != 2:
         raise InputError(f"expected one or two numbers for {name}, got {len(pair)}")
+    return pair[0], pair[1]
+
+
+def _names(name: str, value: object) -> tuple[str, str]:
+    """Return two strings."""
+    pair = tuple(value) if isinstance(value, Iterable) and not isinstance(value, str) else ()
+    if len(pair) != 2 or not all(isinstance(part, str) for part in pair):
+        raise InputError(f"expected {name} as two strings, across and up, got {value!r}")
     return pair[0], pair[1]
 
 
@@ -354,6 +378,8 @@ def _to_float32(
         exact = bool((known.astype(np.float32) == known).all())
     # a whole number, so that the shift itself costs nothing
     shift = 0.0 if exact else float(np.round(low / 2 + high / 2))
-    stored = np.array(values - shift if shift else values, np.float32, order="C")
+    # what stands in a hole may be beyond float32
+    with np.errstate(over="ignore", invalid="ignore"):
+        stored = np.array(values - shift if shift else values, np.float32, order="C")
     stored[hole] = 0.0
     return stored, shift

@@ -172,9 +172,25 @@ class Mesh:
         return np.repeat(np.arange(self.patches.count, dtype=np.int32), counts)
 
     def save(self, path: str | Path) -> Path:
-        """Write the mesh; the ending chooses the format.
+        """Write the mesh to a file, whole or not at all; the ending chooses the format.
 
-        See :func:`terrain_lod.files.meshes.export.save`.
+        Parameters
+        ----------
+        path : str or pathlib.Path
+            Ends in .glb, .obj, .ply, .stl or .vtp. An existing file is replaced.
+
+        Returns
+        -------
+        pathlib.Path
+            The file.
+
+        Raises
+        ------
+        InputError
+            If the ending is none of these, or if the mesh has no triangle, positions that are not
+            finite or corners that are no vertices.
+        FileError
+            If the file cannot be written.
         """
         from ..files.meshes.export import save
 

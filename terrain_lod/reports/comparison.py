@@ -1,8 +1,8 @@
-"""Two levels of detail at one camera, measured: triangles drawn, error, time.
+"""Distance LOD and another at one camera, measured: triangles drawn, error, time.
 
-Distance LOD gives near patches more triangles, coplanarity LOD gives near and rough ones more. At
+Distance LOD gives near patches more triangles; coplanarity LOD, for one, near and rough ones. At
 their defaults they differ in triangles *and* in error, so a third trial settles which is better:
-the distance LOD again, its highest factor lowered until it draws as many triangles.
+the distance LOD again, its highest factor changed until it draws as many triangles.
 """
 
 from __future__ import annotations
@@ -10,13 +10,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from statistics import median
-from typing import Final
+from typing import Any, Final
 
 from ..camera.camera import Camera
 from ..device.layout import MAX_TILE
+from ..errors import InputError
 from ..measure.error import VerticalError, vertical_error
 from ..mesh.mesh import Mesh
-from ..terrain.lod import CoplanarityLod, DistanceLod, Lod
+from ..terrain.lod import AnyLod, Lod, Weighted
+from ..terrain.lod_formulas import DistanceLod
+from ..terrain.lods import name_of
 from ..terrain.terrain import Terrain
 
 # triangle counts within this share of each other count as equal
@@ -32,7 +35,7 @@ class Trial:
     Attributes
     ----------
     name : str
-    lod : Lod
+    lod : Lod, PromiseLod or Weighted
     parameters : dict of str to float
         Of the level of detail, those included that it takes from the ground.
     mesh : Mesh
@@ -43,11 +46,17 @@ class Trial:
     """
 
     name: str
-    lod: Lod
+    lod: AnyLod
     parameters: dict[str, float]
     mesh: Mesh
     error: VerticalError
     seconds: dict[str, float]
+
+    @property
+    def title(self) -> str:
+        """What people read: "Coplanarity LOD"."""
+        name = self.name.removesuffix("_equal")
+        return f"{name[:1].upper()}{name[1:]} LOD"
 
     @property
     def triangles(self) -> int:
@@ -62,38 +71,40 @@ class Comparison:
     ----------
     terrain : Terrain
     camera : Camera
-    edges : str
-        Rule for shared edges.
-    distance, coplanarity : Trial
+    edge_rule, partitioning : str
+        Distance LOD's rule for shared edges, and how edges are divided.
+    distance, other : Trial
         At the parameters asked for.
     equal : Trial
-        Distance LOD with as many triangles as coplanarity.
+        Distance LOD with as many triangles as the other.
     """
 
     terrain: Terrain
     camera: Camera
-    edges: str
+    edge_rule: str
+    partitioning: str
     distance: Trial
-    coplanarity: Trial
+    other: Trial
     equal: Trial
 
     @property
     def trials(self) -> tuple[Trial, Trial, Trial]:
-        return self.distance, self.coplanarity, self.equal
+        return self.distance, self.other, self.equal
 
     @property
     def is_equal(self) -> bool:
-        """Whether the triangle counts of `equal` and `coplanarity` could be made to agree."""
-        return abs(_excess(self.equal.triangles, self.coplanarity.triangles)) <= EQUAL_SHARE
+        """Whether the triangle counts of `equal` and `other` could be made to agree."""
+        return abs(_excess(self.equal.triangles, self.other.triangles)) <= EQUAL_SHARE
 
 
-def compare(
+def compare_pair(
     terrain: Terrain,
     camera: Camera,
     *,
     distance: DistanceLod,
-    coplanarity: CoplanarityLod,
-    edges: str = "min",
+    lod: AnyLod,
+    edge_rule: str | None = None,
+    partitioning: str = "fractional_odd",
     step: Callable[[], None] = lambda: None,
 ) -> Comparison:
     """Mesh and measure both levels of detail, and distance LOD at equal triangle counts.
@@ -102,28 +113,59 @@ def compare(
     ----------
     terrain : Terrain
     camera : Camera
-    distance, coplanarity : DistanceLod, CoplanarityLod
-    edges : {"min", "max"}, optional
+    distance : DistanceLod
+    lod : Lod, PromiseLod or Weighted
+        What it is compared with.
+    edge_rule, partitioning : str, optional
+        As for :meth:`terrain_lod.Terrain.mesh`.
     step : callable, optional
         Called after each of the three trials.
-    """
 
-    def trial(name: str, lod: Lod) -> Trial:
-        runs = [terrain.mesh(camera, lod=lod, edges=edges) for _ in range(_RUNS)]
+    Raises
+    ------
+    InputError
+        If `lod` is distance LOD itself, without weights.
+    """
+    if isinstance(lod, DistanceLod):
+        raise InputError("expected another level of detail than distance, which it is compared to")
+    meshing: dict[str, Any] = {"edge_rule": edge_rule, "partitioning": partitioning}
+
+    def trial(name: str, lod: AnyLod) -> Trial:
+        runs = [terrain.mesh(camera, lod=lod, **meshing) for _ in range(_RUNS)]
         error = vertical_error(runs[0], terrain.ground, field=True, device=terrain.device)
-        stages = runs[0].timings
+        # the first run of a promise measures the ladder as well
+        stages = runs[-1].timings
         seconds = {stage: median(run.timings[stage] for run in runs) for stage in stages}
         step()
-        return Trial(name, lod, lod.parameters(terrain.scene), runs[0], error, seconds)
+        return Trial(name, lod, _parameters(lod, terrain), runs[0], error, seconds)
 
-    by_distance, by_coplanarity = trial("distance", distance), trial("coplanarity", coplanarity)
-    lod = with_triangles(terrain, camera, distance, by_coplanarity.triangles, edges=edges)
-    equal = trial("distance_equal", lod)
-    return Comparison(terrain, camera, edges, by_distance, by_coplanarity, equal)
+    by_distance, by_other = trial("distance", distance), trial(name_of(lod), lod)
+    matched = with_triangles(terrain, camera, distance, by_other.triangles, **meshing)
+    equal = trial("distance_equal", matched)
+    return Comparison(
+        terrain, camera, edge_rule or "min", partitioning, by_distance, by_other, equal
+    )
+
+
+def _parameters(lod: AnyLod, terrain: Terrain) -> dict[str, float]:
+    """Return the numbers that a level of detail works with, weights included."""
+    if isinstance(lod, Weighted):
+        return {
+            **_parameters(lod.lod, terrain),
+            "horizon": lod.horizon,
+            "silhouette": lod.silhouette,
+        }
+    return lod.parameters(terrain.scene) if isinstance(lod, Lod) else lod.numbers()
 
 
 def with_triangles(
-    terrain: Terrain, camera: Camera, lod: DistanceLod, triangles: int, *, edges: str = "min"
+    terrain: Terrain,
+    camera: Camera,
+    lod: DistanceLod,
+    triangles: int,
+    *,
+    edge_rule: str | None = None,
+    partitioning: str = "fractional_odd",
 ) -> DistanceLod:
     """Return `lod` with the highest factor at which it draws `triangles`, to within 1 %.
 
@@ -134,7 +176,8 @@ def with_triangles(
     best, least = lod, float("inf")
     for _ in range(_BISECTIONS):
         candidate = replace(lod, maximum=(low + high) / 2)
-        count = len(terrain.mesh(camera, lod=candidate, edges=edges).triangles)
+        mesh = terrain.mesh(camera, lod=candidate, edge_rule=edge_rule, partitioning=partitioning)
+        count = len(mesh.triangles)
         excess = _excess(count, triangles)
         if abs(excess) < least:
             best, least = candidate, abs(excess)

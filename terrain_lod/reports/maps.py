@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..camera.camera import Camera
+from ..device.layout import MAX_TILE
 from ..drawing.colours import (
     LOD_STOPS,
     hypsometric,
@@ -19,6 +20,7 @@ from ..drawing.colours import (
 from ..ground.grid import TileGrid
 from ..ground.heightmap import Heightmap
 from ..paths import replacing
+from ..terrain.lod import unweighted
 from .comparison import Comparison, Trial
 
 if TYPE_CHECKING:
@@ -63,9 +65,9 @@ def save_maps(comparison: Comparison, path: Path) -> Path:
 
 def factor_range(comparison: Comparison) -> tuple[float, float]:
     """Return the factors that the ramp runs between: what both levels of detail may give."""
-    lods = (comparison.distance.lod, comparison.coplanarity.lod)
-    low = min(float(getattr(lod, "minimum", 1.0)) for lod in lods)
-    high = max(float(getattr(lod, "maximum", 1.0)) for lod in lods)
+    lods = (comparison.distance.lod, comparison.other.lod)
+    low = min(float(getattr(unweighted(lod), "minimum", 1.0)) for lod in lods)
+    high = max(float(getattr(unweighted(lod), "maximum", MAX_TILE)) for lod in lods)
     return low, max(min(high, comparison.terrain.grid.tile), low + 1)
 
 
@@ -82,8 +84,9 @@ class _Sheet:
     @classmethod
     def over(cls, ground: Heightmap) -> _Sheet:
         rows, columns = (np.arange(0, count, -(-count // _LARGEST)) for count in ground.shape)
-        kilometres = max(ground.extent) >= 5000
-        return cls(ground, rows, columns, *(("km", 1e3) if kilometres else ("m", 1.0)))
+        unit = ground.unit_symbols[0]
+        kilometres = unit == "m" and max(ground.extent) >= 5000
+        return cls(ground, rows, columns, *(("km", 1e3) if kilometres else (unit, 1.0)))
 
     @property
     def figure_size(self) -> tuple[float, float]:
@@ -115,22 +118,23 @@ def _draw_maps(figure: Figure, sheet: _Sheet, comparison: Comparison) -> None:
 
     deviation = sheet.of_tiles(analysis.deviation, grid)
     title = f"Deviation from its plane, tiles of {grid.tile} cells"
-    _draw(axes[0, 1], sheet, deviation, title, "m", vmin=0)
+    _draw(axes[0, 1], sheet, deviation, title, sheet.ground.unit_symbols[1], vmin=0)
 
     low, high = factor_range(comparison)
     look = {"cmap": lod_colour_map(), "vmin": low, "vmax": high}
-    for ax, trial in zip(axes[1], (comparison.distance, comparison.coplanarity), strict=True):
+    for ax, trial in zip(axes[1], (comparison.distance, comparison.other), strict=True):
         factors = sheet.of_tiles(_inside_factors(trial), grid)
         _draw(ax, sheet, factors, _title(trial, "inside factor"), "segments", **look)
 
     # one scale for both; the worst percent is beyond it
-    pair = (comparison.equal, comparison.coplanarity)
+    pair = (comparison.equal, comparison.other)
     errors = [np.abs(sheet.of_samples(_error_field(trial))) for trial in pair]
     known = np.concatenate([error[~np.isnan(error)] for error in errors])
     worst = float(np.percentile(known, 99)) if len(known) else 0.0
     look = {"cmap": "magma_r", "vmin": 0, "vmax": worst or 1.0}
     for ax, trial, error in zip(axes[2], pair, errors, strict=True):
-        _draw(ax, sheet, error, _title(trial, "vertical error"), "m", extend="max", **look)
+        unit = sheet.ground.unit_symbols[1]
+        _draw(ax, sheet, error, _title(trial, "vertical error"), unit, extend="max", **look)
     figure.supxlabel(f"{sheet.unit} east of the north-western corner", fontsize=9)
     figure.supylabel(f"{sheet.unit} north of it", fontsize=9)
 
@@ -206,8 +210,7 @@ def lod_colour_map() -> Any:
 
 
 def _title(trial: Trial, what: str) -> str:
-    name = "Coplanarity" if trial.name == "coplanarity" else "Distance"
-    return f"{name} LOD, {trial.triangles:,} triangles: {what}"
+    return f"{trial.title}, {trial.triangles:,} triangles: {what}"
 
 
 def _inside_factors(trial: Trial) -> Values:

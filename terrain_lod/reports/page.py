@@ -1,15 +1,10 @@
-"""A report as one HTML page that can be mailed: pictures inside, nothing loaded from elsewhere."""
+"""The page of two levels of detail at one camera: pictures, what came out, what it took."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from html import escape
-from importlib.resources import files
 from pathlib import Path
-from string import Template
-from typing import Final
 
-from ..drawing.colours import LOD_STOPS
 from .comparison import EQUAL_SHARE, Comparison, Trial
 from .html import (
     card,
@@ -24,9 +19,12 @@ from .html import (
 from .maps import factor_range
 from .pictures import VISIBLE_DIFFERENCE, Difference
 from .tables import Row, rasterised_share
+from .template import filled_page
 from .verdict import small_share
 
-_TRIALS: Final = ("Distance", "Coplanarity", "Distance, as many triangles")
+
+def _heads(comparison: Comparison) -> tuple[str, ...]:
+    return "Distance", comparison.other.title.removesuffix(" LOD"), "Distance, as many triangles"
 
 
 def page(
@@ -36,7 +34,6 @@ def page(
     pictures: Mapping[str, Path],
     difference: Difference | None,
     *,
-    version: str,
     no_pictures: str | None = None,
 ) -> str:
     """Return the page's text.
@@ -51,7 +48,6 @@ def page(
         Files by name; ``maps`` alone where no 3-D picture could be drawn.
     difference : Difference or None
         Of the two shaded pictures.
-    version : str
     no_pictures : str, optional
         Why there are no 3-D pictures.
     """
@@ -59,53 +55,43 @@ def page(
         seen = _seen(comparison, pictures)
     else:
         seen = section("What the camera sees", paragraph(f"No 3-D pictures. {no_pictures}."))
-    template = Template(files("terrain_lod.reports").joinpath("report.html").read_text("utf-8"))
-    return template.substitute(
-        version=escape(version),
-        title=escape(f"Level of detail: {comparison.terrain.ground.name}"),
-        subtitle=escape(_subtitle(comparison)),
-        verdict="\n".join(map(paragraph, verdict)),
-        cards="\n".join(_cards(comparison, difference)),
-        sections="\n".join(
-            [
-                seen,
-                _result(rows),
-                _from_above(comparison, pictures["maps"]),
-                _stages(rows),
-                _times(comparison, rows),
-                _settings(comparison),
-            ]
-        ),
-        footer=escape(f"Made by terrain_lod {version}. The same numbers: report.json, report.csv."),
-        ramp=css_ramp(),
+    return filled_page(
+        title=f"Level of detail: {comparison.terrain.ground.name}",
+        subtitle=_subtitle(comparison),
+        verdict=verdict,
+        cards=_cards(comparison, difference),
+        sections=[
+            seen,
+            _result(comparison, rows),
+            _from_above(comparison, pictures["maps"]),
+            _stages(comparison, rows),
+            _times(comparison, rows),
+            _settings(comparison),
+        ],
+        numbers="report.json, report.csv",
     )
 
 
 def _subtitle(comparison: Comparison) -> str:
     ground = comparison.terrain.ground
     (rows, columns), (low, high) = ground.shape, ground.height_range
-    width, depth = (extent / 1000 for extent in ground.extent)
+    across, up = ground.unit_symbols
+    large, scale = ("km", 1000) if across == "m" else (across, 1)
+    width, depth = (extent / scale for extent in ground.extent)
     return (
-        f"{rows:,} × {columns:,} samples, {ground.spacing[0]:g} × {ground.spacing[1]:g} m apart, "
-        f"{width:.4g} × {depth:.4g} km, {low:,.0f} to {high:,.0f} m high. "
-        "Naive distance LOD against coplanarity LOD, from the same camera."
-    )
-
-
-def css_ramp() -> str:
-    return ", ".join(
-        f"rgb({', '.join(str(round(255 * channel)) for channel in colour)}) {position:.0%}"
-        for position, *colour in LOD_STOPS
+        f"{rows:,} × {columns:,} samples, {ground.spacing[0]:g} × {ground.spacing[1]:g} {across} "
+        f"apart, {width:.4g} × {depth:.4g} {large}, {low:,.0f} to {high:,.0f} {up} high. "
+        f"Naive distance LOD against {comparison.other.name} LOD, from the same camera."
     )
 
 
 def _cards(comparison: Comparison, difference: Difference | None) -> Iterator[str]:
-    distance, coplanarity, equal = comparison.trials
+    distance, other, equal = comparison.trials
     if distance.triangles:
-        change = coplanarity.triangles / distance.triangles - 1
-        yield card(_change(change), "triangles: coplanarity LOD against distance LOD")
+        change = other.triangles / distance.triangles - 1
+        yield card(_change(change), f"triangles: {other.name} LOD against distance LOD")
     if comparison.is_equal and equal.error.rms > 0:
-        change = coplanarity.error.rms / equal.error.rms - 1
+        change = other.error.rms / equal.error.rms - 1
         yield card(_change(change), "RMS vertical error, with as many triangles")
     if difference is not None:
         share = small_share(difference.visible_share)
@@ -113,8 +99,8 @@ def _cards(comparison: Comparison, difference: Difference | None) -> Iterator[st
             share.replace("less than ", "< "),
             f"of the pixels differ by more than {VISIBLE_DIFFERENCE:.0%}",
         )
-    total = formatted(sum(coplanarity.seconds.values()), "s")
-    yield card(f"{total} ms", f"for all stages of {coplanarity.triangles:,} triangles")
+    total = formatted(sum(other.seconds.values()), "s")
+    yield card(f"{total} ms", f"for all stages of {other.triangles:,} triangles")
 
 
 def _change(share: float) -> str:
@@ -123,12 +109,12 @@ def _change(share: float) -> str:
 
 def _seen(comparison: Comparison, pictures: Mapping[str, Path]) -> str:
     """Return the book's figures: 9.22 beside 9.23, and 9.24."""
-    pair = comparison.distance, comparison.coplanarity
+    pair = comparison.distance, comparison.other
     low, high = factor_range(comparison)
     ramp = f'<div class="ramp"><span>{low:g}</span><i></i><span>{high:g} segments</span></div>'
     detail = [figure(pictures[f"lod_{trial.name}"], _caption(comparison, trial)) for trial in pair]
     lines = [
-        figure(pictures[f"wireframe_{trial.name}"], f"{_name(trial)}: wireframe") for trial in pair
+        figure(pictures[f"wireframe_{trial.name}"], f"{trial.title}: wireframe") for trial in pair
     ]
     shaded = [
         figure(pictures["shaded_distance"], "Distance LOD"),
@@ -136,7 +122,7 @@ def _seen(comparison: Comparison, pictures: Mapping[str, Path]) -> str:
             pictures["difference"],
             "Their difference: black none, white complete (square root scale)",
         ),
-        figure(pictures["shaded_coplanarity"], "Coplanarity LOD"),
+        figure(pictures[f"shaded_{pair[1].name}"], pair[1].title),
     ]
     return "\n".join(
         [
@@ -155,16 +141,12 @@ def _seen(comparison: Comparison, pictures: Mapping[str, Path]) -> str:
     )
 
 
-def _name(trial: Trial) -> str:
-    return "Coplanarity LOD" if trial.name == "coplanarity" else "Distance LOD"
-
-
 def _caption(comparison: Comparison, trial: Trial) -> str:
     share = rasterised_share(comparison, trial)
-    return f"{_name(trial)}: {trial.triangles:,} triangles generated, {share:.0%} rasterised"
+    return f"{trial.title}: {trial.triangles:,} triangles generated, {share:.0%} rasterised"
 
 
-def _result(rows: Sequence[Row]) -> str:
+def _result(comparison: Comparison, rows: Sequence[Row]) -> str:
     return section(
         "Triangles and error",
         paragraph(
@@ -173,7 +155,7 @@ def _result(rows: Sequence[Row]) -> str:
             f"lowered until the triangle counts agree to {EQUAL_SHARE:.0%}.",
             kind="soft",
         ),
-        table(_TRIALS, [row for row in rows if row.table == "result"]),
+        table(_heads(comparison), [row for row in rows if row.table == "result"]),
     )
 
 
@@ -188,7 +170,7 @@ def _from_above(comparison: Comparison, maps: Path) -> str:
     )
 
 
-def _stages(rows: Sequence[Row]) -> str:
+def _stages(comparison: Comparison, rows: Sequence[Row]) -> str:
     return section(
         "Stages and storage",
         paragraph(
@@ -197,8 +179,8 @@ def _stages(rows: Sequence[Row]) -> str:
             "same triangles take as a plain mesh, and what this engine holds on its device.",
             kind="soft",
         ),
-        table(_TRIALS, [row for row in rows if row.table == "stages"]),
-        table(_TRIALS, [row for row in rows if row.table == "storage"]),
+        table(_heads(comparison), [row for row in rows if row.table == "stages"]),
+        table(_heads(comparison), [row for row in rows if row.table == "storage"]),
     )
 
 
@@ -209,14 +191,15 @@ def _times(comparison: Comparison, rows: Sequence[Row]) -> str:
             f"Device time by stage, warm, median of runs, on {comparison.terrain.device.info}.",
             kind="soft",
         ),
-        table(_TRIALS, [row for row in rows if row.table == "time"]),
+        table(_heads(comparison), [row for row in rows if row.table == "time"]),
     )
 
 
 def _settings(comparison: Comparison) -> str:
     terrain, camera = comparison.terrain, comparison.camera
     tiles = " × ".join(map(str, terrain.grid.shape))
-    view = f"{camera.fov:g}°" if camera.height is None else f"{camera.height:g} m, parallel,"
+    unit = terrain.ground.unit_symbols[0]
+    view = f"{camera.fov:g}°" if camera.height is None else f"{camera.height:g} {unit}, parallel,"
 
     def point(values: Sequence[float]) -> str:
         return ", ".join(f"{value:.6g}" if abs(value) < 1e5 else f"{value:.1f}" for value in values)
@@ -224,11 +207,13 @@ def _settings(comparison: Comparison) -> str:
     pairs = [
         ("Ground", repr(terrain.ground)),
         ("Coordinates", terrain.ground.crs or "not georeferenced"),
-        ("Tiles", f"{tiles} tiles of {terrain.grid.tile} cells, {comparison.edges} rule for edges"),
+        ("Tiles", f"{tiles} tiles of {terrain.grid.tile} cells, edge rule {comparison.edge_rule}"),
+        ("Partitioning", comparison.partitioning),
         ("Camera", f"eye {point(camera.eye)}, target {point(camera.target)}"),
         ("Picture", f"{view} high, {camera.size[0]} × {camera.size[1]} pixels"),
     ]
-    pairs += [(_TRIALS[index], _parameters(trial)) for index, trial in enumerate(comparison.trials)]
+    heads = zip(_heads(comparison), comparison.trials, strict=True)
+    pairs += [(head, _parameters(trial)) for head, trial in heads]
     return section("Settings", definitions(pairs))
 
 

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from ..drawing.graphics import graphics_problem
-from ..drawing.render import Picture, render, save_png
+from ..drawing.picture import Picture, draw, save_png
 from .comparison import Comparison
 from .maps import factor_range
 
@@ -58,17 +58,16 @@ def save_pictures(
     paths: dict[str, Path] = {}
     shaded: list[Picture] = []
     for style in STYLES:
-        for trial in (comparison.distance, comparison.coplanarity):
+        for trial in (comparison.distance, comparison.other):
             name = f"{style}_{trial.name}"
-            paths[name] = directory / f"{name}.png"
-            picture = render(
+            picture = draw(
                 trial.mesh,
                 comparison.camera,
-                paths[name],
                 style=style,
                 height_range=comparison.terrain.ground.height_range,
                 factor_range=factor_range(comparison),
             )
+            paths[name] = save_png(picture, directory / f"{name}.png")
             if style == "shaded":
                 shaded.append(picture)
             step()

@@ -1,13 +1,9 @@
-"""A report on a ground: distance LOD against coplanarity LOD, in numbers, pictures and words."""
+"""A report on a ground: distance LOD against another, in numbers, pictures and words."""
 
 from __future__ import annotations
 
-import csv
-import io
-import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Final
 
@@ -16,19 +12,22 @@ from ..camera.viewpoint import default_camera
 from ..device.device import Device
 from ..device.layout import DEFAULT_TILE
 from ..drawing.graphics import graphics_problem
+from ..errors import InputError
 from ..ground.heightmap import Heightmap
-from ..paths import replacing, require_made
-from ..terrain.lod import CoplanarityLod, DistanceLod
+from ..paths import require_made
+from ..terrain.lod import AnyLod, checked_lod, unweighted
+from ..terrain.lod_formulas import CoplanarityLod, DistanceLod
 from ..terrain.terrain import Terrain
-from .comparison import Comparison, compare
+from .comparison import Comparison, compare_pair
 from .maps import save_maps
 from .page import page
 from .pictures import COUNT, Difference, save_pictures
 from .tables import Row, rows_of
+from .texts import Steps, csv_text, json_text, write_texts
 from .verdict import verdict
 
 # of the JSON file; raised when a key changes its meaning
-FORMAT: Final = 1
+FORMAT: Final = 2
 
 _STEPS: Final = 1 + 3 + COUNT + 1 + 1  # terrain, trials, pictures, maps, texts
 
@@ -59,18 +58,19 @@ class Report:
 
 def report(
     ground: Heightmap,
-    directory: str | Path,
+    folder: str | Path,
     *,
     camera: Camera | None = None,
     tile: int = DEFAULT_TILE,
     plane: str = "least_squares",
-    edges: str = "min",
+    lod: AnyLod | None = None,
     distance: DistanceLod | None = None,
-    coplanarity: CoplanarityLod | None = None,
+    edge_rule: str | None = None,
+    partitioning: str = "fractional_odd",
     device: Device | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Report:
-    """Compare naive distance LOD with coplanarity LOD at one camera, and write it down.
+    """Compare naive distance LOD with another at one camera, and write it down.
 
     Writes ``report.html`` (self-contained), ``report.json``, ``report.csv``, ``maps.svg`` and,
     where this machine can draw, PNG pictures of both in every style and of their difference. The
@@ -79,14 +79,18 @@ def report(
     Parameters
     ----------
     ground : Heightmap
-    directory : str or Path
+    folder : str or Path
         Made if it is not there.
     camera : Camera, optional
         Default: an oblique view over the ground.
     tile, plane, device : optional
         As for :class:`Terrain`.
-    edges : {"min", "max"}, optional
-    distance, coplanarity : DistanceLod, CoplanarityLod, optional
+    lod : Lod, PromiseLod or Weighted, optional
+        What distance LOD is compared with. Default: ``CoplanarityLod()``.
+    distance : DistanceLod, optional
+        Default: ``DistanceLod()``.
+    edge_rule, partitioning : str, optional
+        As for :meth:`Terrain.mesh`.
     progress : callable, optional
         Called with steps done and steps in all.
 
@@ -99,22 +103,27 @@ def report(
     InputError
         If an option is not one of these.
     FileError
-        If the directory or a file cannot be written.
+        If the folder or a file cannot be written.
     DeviceMemoryError
         If the device cannot hold the ground or a mesh.
     """
-    step = _Steps(progress)
+    lod = CoplanarityLod() if lod is None else checked_lod(lod)
+    distance = DistanceLod() if distance is None else distance
+    if not isinstance(distance, DistanceLod):
+        raise InputError(f"expected a DistanceLod for distance, got {distance!r}")
+    step = Steps(progress, _STEPS)
     terrain = Terrain(ground, tile=tile, plane=plane, device=device)
     step()
-    comparison = compare(
+    comparison = compare_pair(
         terrain,
         camera or default_camera(ground),
-        distance=distance or DistanceLod(),
-        coplanarity=coplanarity or CoplanarityLod(),
-        edges=edges,
+        distance=distance,
+        lod=lod,
+        edge_rule=edge_rule,
+        partitioning=partitioning,
         step=step,
     )
-    folder = require_made(Path(directory))
+    folder = require_made(Path(folder))
     files, difference = save_pictures(comparison, folder, step)
     files["maps"] = save_maps(comparison, folder / "maps.svg")
     step()
@@ -125,68 +134,42 @@ def report(
         files,
         graphics_problem(),
     )
-    _write_texts(made, difference, folder)
+    made.files.update(write_texts(folder, _texts(made, difference)))
     step.finish()
     return made
 
 
-class _Steps:
-    """Counts steps for those who want to know."""
-
-    def __init__(self, progress: Callable[[int, int], None] | None) -> None:
-        self._progress = progress or (lambda done, total: None)
-        self._done = 0
-
-    def __call__(self) -> None:
-        self._done += 1
-        self._progress(self._done, _STEPS)
-
-    def finish(self) -> None:
-        """Report the end, pictures that could not be drawn included."""
-        self._progress(_STEPS, _STEPS)
-
-
-def _write_texts(made: Report, difference: Difference | None, folder: Path) -> None:
-    """Write the numbers and the page, and add them to the report's files."""
+def _texts(made: Report, difference: Difference | None) -> dict[str, tuple[str, str]]:
+    """Return the page and the numbers, each under the name of its file."""
     text = page(
         made.comparison,
         made.rows,
         made.verdict,
         made.files,
         difference,
-        version=version("terrain_lod"),
         no_pictures=made.no_pictures,
     )
-    made.files["html"] = _written(folder / "report.html", text)
-    made.files["json"] = _written(folder / "report.json", _json(made, difference))
-    made.files["csv"] = _written(folder / "report.csv", _csv(made))
+    return {
+        "html": ("report.html", text),
+        "json": ("report.json", json_text(FORMAT, _content(made, difference))),
+        "csv": ("report.csv", csv_text(_lines(made))),
+    }
 
 
-def _written(path: Path, text: str) -> Path:
-    with replacing(path) as temporary:
-        temporary.write_text(text, encoding="utf-8", newline="\n")
-    return path
-
-
-def _csv(made: Report) -> str:
-    """Return a line a quantity: its key, its unit, a value a trial."""
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(["quantity", "unit", *(trial.name for trial in made.comparison.trials)])
+def _lines(made: Report) -> Iterator[list[str]]:
+    """Yield a line a quantity: its key, its unit, a value a trial."""
+    yield ["quantity", "unit", *(trial.name for trial in made.comparison.trials)]
     for row in made.rows:
         values = ["" if value is None else repr(value) for value in row.values]
-        writer.writerow([row.key, row.unit, *values])
-    return stream.getvalue()
+        yield [row.key, row.unit, *values]
 
 
-def _json(made: Report, difference: Difference | None) -> str:
+def _content(made: Report, difference: Difference | None) -> dict[str, Any]:
     """Return everything: what was compared, every quantity of every trial, the verdict."""
     comparison, terrain = made.comparison, made.comparison.terrain
     ground = terrain.ground
     low, high = ground.height_range
-    content: dict[str, Any] = {
-        "format": FORMAT,
-        "terrain_lod": version("terrain_lod"),
+    return {
         "ground": {
             "name": ground.name,
             "rows": ground.shape[0],
@@ -198,13 +181,14 @@ def _json(made: Report, difference: Difference | None) -> str:
             "nodata": 0 if ground.mask is None else int(ground.mask.sum()),
             "crs": ground.crs,
         },
-        "camera": {name: _finite(value) for name, value in asdict(comparison.camera).items()},
+        "camera": asdict(comparison.camera),
         "tile": terrain.grid.tile,
-        "edges": comparison.edges,
+        "edge_rule": comparison.edge_rule,
+        "partitioning": comparison.partitioning,
         "device": str(terrain.device.info),
         "trials": {
             trial.name: {
-                "lod": type(trial.lod).__name__,
+                "lod": type(unweighted(trial.lod)).__name__,
                 "parameters": trial.parameters,
                 "worst_sample": trial.error.where,
                 "worst_point": trial.error.point,
@@ -216,9 +200,3 @@ def _json(made: Report, difference: Difference | None) -> str:
         "difference": None if difference is None else asdict(difference),
         "verdict": made.verdict,
     }
-    return json.dumps(content, indent=2, allow_nan=False) + "\n"
-
-
-def _finite(value: Any) -> Any:
-    """Return None for an infinite number, which JSON has no name for."""
-    return None if isinstance(value, float) and value == float("inf") else value

@@ -71,6 +71,7 @@ def _result(comparison: Comparison) -> list[Row]:
     def row(key: str, label: str, unit: str, value: Callable[[Trial], Value]) -> Row:
         return _row(comparison, "result", key, label, unit, value)
 
+    up = comparison.terrain.ground.unit_symbols[1]
     return [
         row("triangles", "Triangles drawn", "", lambda t: t.triangles),
         row(
@@ -79,12 +80,12 @@ def _result(comparison: Comparison) -> list[Row]:
             "%",
             lambda t: 100 * rasterised_share(comparison, t),
         ),
-        row("error_max", "Vertical error, largest", "m", lambda t: _known(t.error.maximum)),
-        row("error_rms", "Vertical error, RMS", "m", lambda t: _known(t.error.rms)),
+        row("error_max", "Vertical error, largest", up, lambda t: _known(t.error.maximum)),
+        row("error_rms", "Vertical error, RMS", up, lambda t: _known(t.error.rms)),
         row(
             "error_mean",
             "Vertical error, mean (above the ground: +)",
-            "m",
+            up,
             lambda t: _known(t.error.mean),
         ),
         row("samples", "Samples measured", "", lambda t: t.error.samples),

@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from ..device.device import Device, DeviceArray
 from ..ground.grid import TileGrid
@@ -53,16 +52,16 @@ class DeviceGround:
         )
 
     def updated(self, relief: Relief, rows: slice) -> DeviceGround:
-        """Return another of these, of a relief that differs in `rows` of its heightmap alone."""
-        mask = relief.ground.mask
+        """Rewrite it for a relief that differs in `rows` of its heightmap alone."""
+        mask, start = relief.ground.mask, rows.start * relief.ground.shape[1]
         holes = self.holes
         if mask is not None and self.masked:
-            holes = _rewritten(holes, mask.view(np.uint8), rows)
+            holes.write(mask[rows].view(np.uint8), start)
         elif mask is not None or self.masked:
             whole = np.zeros(1, bool) if mask is None else mask
             holes = self.device.array(whole.view(np.uint8))
-        heights = _rewritten(self.heights, relief.ground.heights, rows)
-        return replace(self, relief=relief, heights=heights, holes=holes)
+        self.heights.write(relief.ground.heights[rows], start)
+        return replace(self, relief=relief, holes=holes)
 
     @property
     def device(self) -> Device:
@@ -105,13 +104,6 @@ class DeviceGround:
         }
 
 
-def _rewritten(array: DeviceArray, values: npt.NDArray[Any], rows: slice) -> DeviceArray:
-    """Return a copy of (R, C) `array` with these rows of host `values`."""
-    other = array.copy()
-    other.write(values[rows], start=rows.start * array.shape[1])
-    return other
-
-
 @dataclass(frozen=True, eq=False)
 class DeviceAnalysis:
     """What the analysis found of every tile.
@@ -129,10 +121,6 @@ class DeviceAnalysis:
     plane: str
     planes: DeviceArray
     details: DeviceArray
-
-    def copy(self) -> DeviceAnalysis:
-        """Return another of the same values."""
-        return replace(self, planes=self.planes.copy(), details=self.details.copy())
 
 
 @dataclass(frozen=True, eq=False)
@@ -226,7 +214,3 @@ class DeviceLadder:
     def measured(self) -> dict[str, DeviceArray]:
         """Return the arrays that are measured, by their names."""
         return {name: getattr(self, name) for name in ("tiles", "inner", "across", "down")}
-
-    def copy(self) -> DeviceLadder:
-        """Return another ladder of the same errors."""
-        return replace(self, **{name: array.copy() for name, array in self.measured().items()})

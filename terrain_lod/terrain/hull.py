@@ -10,6 +10,7 @@ from ..arguments import one_of
 from ..camera.camera import Camera
 from ..device import layout
 from ..device.device import DeviceArray
+from ..device.formulas import formula_defines, formula_numbers
 from ..tessellation.factors import DeviceFactors
 from .lod import Lod
 from .tiles import DeviceTiles
@@ -25,7 +26,7 @@ def hull_on_device(
     lod: Lod,
     camera: Camera | None,
     *,
-    edges: str = "min",
+    edge_rule: str = "min",
     cull: bool = True,
     weights: DeviceArray | None = None,
 ) -> DeviceFactors:
@@ -36,7 +37,7 @@ def hull_on_device(
     tiles : DeviceTiles
     lod : Lod
     camera : Camera or None
-    edges : {"min", "max"}, optional
+    edge_rule : {"min", "max"}, optional
         Factor of an edge from the levels of detail on its two sides: ``"min"`` is the book's,
         ``"max"`` never gives an edge less than either side asks for.
     cull : bool, optional
@@ -49,12 +50,10 @@ def hull_on_device(
     DeviceFactors
     """
     device, count, analysis = tiles.device, tiles.grid.count, tiles.analysis
-    rule = EDGE_RULES[one_of("edge rule", edges, EDGE_RULES)]
+    rule = EDGE_RULES[one_of("edge rule", edge_rule, EDGE_RULES)]
     parameters = lod.parameters(tiles.scene)
-    names = {f"LOD_{name.upper()}": index for index, name in enumerate(parameters)}
-    kernel = device.kernel(
-        "terrain/hull.cl", "hull", LOD=f'"{lod.header}"', EDGE_RULE=rule, **names
-    )
+    formula = formula_defines("LOD", lod.header, parameters, prefix="LOD_")
+    kernel = device.kernel("terrain/hull.cl", "hull", EDGE_RULE=rule, **formula)
     factors = DeviceFactors(
         device.empty((count, layout.EDGES), np.float32),
         device.empty((count, layout.INSIDES), np.float32),
@@ -65,7 +64,7 @@ def hull_on_device(
         grid=tiles.grid.record(),
         view=tiles.view(camera),
         cull=int(cull),
-        parameters=device.array(np.array(list(parameters.values()), np.float32)),
+        parameters=formula_numbers(device, parameters),
         control_points=tiles.patches.control_points,
         patch_indices=tiles.patches.indices,
         planes=analysis.planes,

@@ -68,7 +68,7 @@ class Promise:
     camera : Camera or None
         Errors can be in pixels where there is one.
     partitioning : str
-    edges : str
+    edge_rule : str
         Rule for the factors of edges.
     cull : bool
     weights : DeviceArray, (P,) float32, or None
@@ -78,7 +78,7 @@ class Promise:
     tiles: DeviceTiles
     camera: Camera | None
     partitioning: str
-    edges: str
+    edge_rule: str
     cull: bool
     weights: DeviceArray | None = None
 
@@ -99,7 +99,7 @@ class Promise:
             self.camera,
             metres=metres,
             pixels=pixels,
-            edges=self.edges,
+            edge_rule=self.edge_rule,
             cull=self.cull,
             weights=self.weights,
         )

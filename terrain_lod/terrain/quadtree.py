@@ -131,11 +131,11 @@ class DeviceQuadtree:
         tree = DeviceQuadtree(
             ground,
             self.shapes,
-            tuple(drift.copy() for drift in self.drifts),
-            self.details.copy(),
+            tuple(drift.copy(0, drift.shape[0]) for drift in self.drifts),
+            self.details.copy(0, self.count),
             self.order,
-            self.errors.copy(),
-            self.inner_errors.copy(),
+            self.errors.copy(0, self.count),
+            self.inner_errors.copy(0, self.count),
         )
         tree._look_at(analysis, changed)
         rows, columns = np.divmod(changed, ground.grid.shape[1])

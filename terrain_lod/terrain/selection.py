@@ -48,7 +48,7 @@ class Selection:
     tiles : DeviceTiles
     ladder : DeviceLadder
         Theirs.
-    edges : str
+    edge_rule : str
         A key of :data:`EDGE_RULES`.
     allowed : DeviceArray, (P,) float32
         Error that each tile may have; NaN where it is culled.
@@ -64,7 +64,7 @@ class Selection:
 
     tiles: DeviceTiles
     ladder: DeviceLadder
-    edges: str
+    edge_rule: str
     allowed: DeviceArray
     share: DeviceArray
     factors: DeviceFactors
@@ -79,7 +79,7 @@ class Selection:
         *,
         metres: float,
         pixels: float,
-        edges: str = "edge",
+        edge_rule: str = "edge",
         cull: bool = True,
         weights: DeviceArray | None = None,
     ) -> Selection:
@@ -87,11 +87,11 @@ class Selection:
 
         An error counts as many times as the tile's weight, (P,) float32, says; 1 if not given.
         """
-        one_of("edge rule", edges, EDGE_RULES)
+        one_of("edge rule", edge_rule, EDGE_RULES)
         assert tiles.ladder is not None  # who promises has it measured
         device, count = tiles.device, tiles.grid.count
         allowed = device.empty(count, np.float32)
-        _kernel(tiles.ground, edges, "allow")(
+        _kernel(tiles.ground, edge_rule, "allow")(
             (count,),
             (_GROUP,),
             grid=tiles.grid.record(),
@@ -106,7 +106,7 @@ class Selection:
         return cls(
             tiles,
             tiles.ladder,
-            edges,
+            edge_rule,
             allowed,
             share=device.empty(count, np.float32).fill(FIRST_SHARE),
             # no factor is -1: the first choice changes every tile
@@ -191,9 +191,9 @@ class Selection:
         measure_patches(self.tiles.patch_set, pattern, self.changed, self.measured)
 
     def _kernel(self, name: str) -> Kernel:
-        return _kernel(self.tiles.ground, self.edges, name)
+        return _kernel(self.tiles.ground, self.edge_rule, name)
 
 
-def _kernel(ground: DeviceGround, edges: str, name: str) -> Kernel:
-    defines = {"LEVELS": ground.grid.levels, "EDGE_RULE": EDGE_RULES[edges], **ground.defines}
+def _kernel(ground: DeviceGround, edge_rule: str, name: str) -> Kernel:
+    defines = {"LEVELS": ground.grid.levels, "EDGE_RULE": EDGE_RULES[edge_rule], **ground.defines}
     return ground.device.kernel("terrain/selection.cl", name, **defines)

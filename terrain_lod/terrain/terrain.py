@@ -32,11 +32,14 @@ from .buffers import DeviceGround
 from .hull import hull_on_device
 from .ladder import empty_ladder
 from .ladder_file import fingerprint, read_ladder, write_ladder
-from .lod import Lod, PromiseLod, Scene, ScreenErrorLod, UniformLod, Weighted
+from .lod import AnyLod, PromiseLod, Scene, Weighted, checked_lod, unweighted
+from .lod_formulas import UniformLod
+from .lod_promises import ScreenErrorLod
 from .meshing import Tessellated, mesh_of
 from .promise import Promise
 from .queries import heights_on_device, rays_on_device
 from .tiles import DeviceTiles
+from .turns import Turns
 from .weights import weights_on_device
 
 
@@ -53,8 +56,8 @@ class Terrain:
     tile : int, optional
         Cells along a tile, 1 to 63. At 15 the tessellator's factor 15 reproduces the raster.
     levels : int, optional
-        Sizes of patches that keep a promise: of 1, 2 x 2, 4 x 4, ... tiles. Up to the whole raster
-        where not given; 1 is the flat grid of tiles.
+        Sizes of patches that promises in the partitioning ``"integer"`` are kept with: of 1, 2 x 2,
+        4 x 4, ... tiles. Up to the whole raster where not given; 1 is the flat grid of tiles.
     plane : {"least_squares", "corners"}, optional
         Which plane deviations are measured from.
     device : Device, optional
@@ -75,8 +78,8 @@ class Terrain:
 
     Notes
     -----
-    Threads may share one: each call works on the ground as it was when the call began, and an
-    update is seen whole or not at all.
+    Threads may share one: an update waits until the calls before it have ended, and those after it
+    wait for it.
     """
 
     def __init__(
@@ -91,9 +94,8 @@ class Terrain:
     ) -> None:
         self.levels = None if levels is None else whole("levels", levels, 1, layout.MAX_LEVELS)
         relief, device = Relief(ground, detail), device or Device.open()
-        # all that is known of the ground: whoever reads it takes it once, and changes replace it
         self._tiles = DeviceTiles.of(DeviceGround.upload(relief, tile, device), plane=plane)
-        self._changing = threading.Lock()
+        self._turns, self._measuring = Turns(), threading.Lock()
 
     def update(self, rows: slice, columns: slice, heights: npt.ArrayLike) -> int:
         """Replace samples of the ground, and analyse the tiles that they touch anew.
@@ -101,8 +103,7 @@ class Terrain:
         Detail stays what it is: samples and heights are those of the ground without it.
 
         All that is known of these tiles is as if the terrain had been made of the new ground, to
-        the bit; :attr:`ground` is that new ground. On an error nothing has changed. Meanwhile the
-        device holds the terrain twice.
+        the bit; :attr:`ground` is that new ground. On an error nothing has changed.
 
         Parameters
         ----------
@@ -122,13 +123,11 @@ class Terrain:
             If the slices reach out of the raster, the shape is another, heights are infinite, or
             no data would be left.
         DeviceMemoryError
-            If the device cannot hold the terrain twice.
+            If the device cannot hold what is replaced beside what replaces it.
         """
-        with self._changing:
+        with self._turns.changing():
             ground, rows, columns = self.ground.with_elevations(rows, columns, heights)
-            tiles, count = self._tiles.updated(ground, rows, columns)
-            self.device.finish()  # what fails there fails before anything has changed
-            self._tiles = tiles
+            self._tiles, count = self._tiles.updated(ground, rows, columns)
         return count
 
     def save_ladder(self, path: str | Path) -> Path:
@@ -149,9 +148,11 @@ class Terrain:
         FileError
             If the file cannot be written.
         """
-        path, tiles = Path(path), self._with_ladder()
-        assert tiles.ladder is not None
-        arrays = {name: array.host() for name, array in tiles.ladder.measured().items()}
+        path = Path(path)
+        with self._turns.reading():
+            tiles = self._with_ladder()
+            assert tiles.ladder is not None
+            arrays = {name: array.host() for name, array in tiles.ladder.measured().items()}
         write_ladder(path, fingerprint(tiles.ground.relief, tiles.grid.tile), arrays)
         return path
 
@@ -163,7 +164,7 @@ class Terrain:
         FileError
             If the file cannot be read, or is the ladder of other ground or of other tiles.
         """
-        with self._changing:
+        with self._turns.changing():
             tiles = self._tiles
             ladder = empty_ladder(self.device, tiles.grid)
             shapes = {name: array.shape for name, array in ladder.measured().items()}
@@ -184,7 +185,8 @@ class Terrain:
     @property
     def analysis(self) -> TileAnalysis:
         """Planes, deviations and ranges of the tiles."""
-        return self._tiles.found
+        with self._turns.reading():
+            return self._tiles.found
 
     @property
     def ground(self) -> Heightmap:
@@ -204,15 +206,16 @@ class Terrain:
     @property
     def scene(self) -> Scene:
         """What levels of detail take their defaults from."""
-        return self._tiles.scene
+        with self._turns.reading():
+            return self._tiles.scene
 
     def mesh(
         self,
         camera: Camera | None = None,
         *,
-        lod: Lod | PromiseLod | Weighted | None = None,
-        edges: str | None = None,
-        partitioning: str | None = None,
+        lod: AnyLod | None = None,
+        edge_rule: str | None = None,
+        partitioning: str = "fractional_odd",
         cull: bool = True,
     ) -> Mesh:
         """Tessellate the terrain as a camera deserves it.
@@ -226,13 +229,13 @@ class Terrain:
             weights on it. Defaults to ``ScreenErrorLod(1.0)`` for a camera; without one to the
             raster in full, ``UniformLod`` of the tile's cells: at an odd `tile` every sample is a
             vertex.
-        edges : {"min", "max", "edge"}, optional
+        edge_rule : {"min", "max", "edge"}, optional
             Factor of a shared edge: the lower of the two tiles' (the default with a formula, and
             the book's), the higher, or by the edge's own error (the default with a promise, and
             for promises alone).
         partitioning : {"fractional_odd", "fractional_even", "integer", "pow2"}, optional
-            How factors divide a patch. ``"integer"``, the default with a promise, has patches of
-            every size; ``"fractional_odd"`` is the default with a formula.
+            How factors divide a patch. With ``"integer"`` a promise is kept by patches of every
+            size, from a tile to the whole raster, at every whole factor: the fewest triangles.
         cull : bool, optional
             Leave out the patches whose bounds are out of view.
 
@@ -244,35 +247,35 @@ class Terrain:
         Raises
         ------
         InputError
-            If the level of detail needs a camera and there is none, or a name is unknown.
+            If `lod` is no level of detail, or needs a camera and there is none, or a name is
+            unknown.
         DeviceMemoryError
             If the device cannot hold the mesh.
         """
         if lod is None:
             lod = UniformLod(self.grid.tile) if camera is None else ScreenErrorLod()
-        promised = isinstance(lod.lod if isinstance(lod, Weighted) else lod, PromiseLod)
-        partitioning = partitioning or ("integer" if promised else "fractional_odd")
+        lod = checked_lod(lod)
         one_of("partitioning", partitioning, layout.PARTITIONINGS)
         if camera is None and lod.needs_camera:
             raise InputError(f"{type(lod).__name__} needs a camera, got none")
         cull = cull and camera is not None
-        weighted, lod = (lod, lod.lod) if isinstance(lod, Weighted) else (None, lod)
-        with self.device.timed() as timeline:
+        weighted, lod = lod, unweighted(lod)
+        with self._turns.reading(), self.device.timed() as timeline:
             tiles = self._tiles
             if isinstance(lod, PromiseLod):
                 tiles = self._with_tree() if partitioning == "integer" else self._with_ladder()
             weights = None
-            if weighted is not None and camera is not None:
+            if isinstance(weighted, Weighted) and camera is not None:
                 weights = weights_on_device(
                     tiles, camera, horizon=weighted.horizon, silhouette=weighted.silhouette
                 )
             if isinstance(lod, PromiseLod):
-                promise = Promise(tiles, camera, partitioning, edges or "edge", cull, weights)
+                promise = Promise(tiles, camera, partitioning, edge_rule or "edge", cull, weights)
                 kept = promise.keep(lod)
                 made, nodes = kept.made, kept.nodes
             else:
                 factors = hull_on_device(
-                    tiles, lod, camera, edges=edges or "min", cull=cull, weights=weights
+                    tiles, lod, camera, edge_rule=edge_rule or "min", cull=cull, weights=weights
                 )
                 made, nodes = Tessellated.of(tiles.patch_set, factors, partitioning), None
             return mesh_of(made, *tiles.described(nodes), timeline)
@@ -297,7 +300,9 @@ class Terrain:
         DeviceError
             If the device has no 64-bit floats.
         """
-        return heights_on_device(self._tiles, checked_points(points))
+        points = checked_points(points)
+        with self._turns.reading():
+            return heights_on_device(self._tiles, points)
 
     def cast(self, origins: npt.ArrayLike, directions: npt.ArrayLike) -> Hits:
         """Find what rays meet first of the ground itself, bilinear between its samples.
@@ -320,17 +325,19 @@ class Terrain:
         DeviceError
             If the device has no 64-bit floats.
         """
-        return rays_on_device(self._tiles, *checked_rays(origins, directions))
+        rays = checked_rays(origins, directions)
+        with self._turns.reading():
+            return rays_on_device(self._tiles, *rays)
 
     def _with_ladder(self) -> DeviceTiles:
-        """Return the tiles with their ladder, which threads measure once."""
-        with self._changing:
+        """Return the tiles with their ladder, which one of the threads that read measures."""
+        with self._measuring:
             self._tiles = self._tiles.with_ladder()
             return self._tiles
 
     def _with_tree(self) -> DeviceTiles:
         """Return the tiles with the quadtree over them, which threads make once."""
-        with self._changing:
+        with self._measuring:
             self._tiles = self._tiles.with_tree(self.levels)
             return self._tiles
 

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from ..camera.camera import Camera
 from ..device import layout
-from ..device.device import Device
+from ..device.device import Device, DeviceArray
 from ..ground.grid import TileGrid
 from ..ground.heightmap import Heightmap
 from ..ground.relief import Relief
@@ -25,7 +25,7 @@ from .quadtree import DeviceQuadtree
 
 @dataclass(frozen=True, eq=False)
 class DeviceTiles:
-    """The P tiles of a ground. Nothing in it is ever changed: who holds one may go on using it.
+    """The P tiles of a ground.
 
     Attributes
     ----------
@@ -66,24 +66,52 @@ class DeviceTiles:
         return replace(self, tree=DeviceQuadtree.of(self.ground, self.analysis, levels))
 
     def updated(self, ground: Heightmap, rows: slice, columns: slice) -> tuple[DeviceTiles, int]:
-        """Return the tiles of another heightmap, and how many of them were looked at anew.
+        """Rewrite the tiles for another heightmap, and say how many were looked at anew.
 
-        It differs in these samples alone, start and stop given. What is known of the tiles that
-        hold none of them is copied.
+        It differs in these samples alone, start and stop given. The arrays are rewritten where
+        they stand: nobody else may use this record from now on, but on an error, when all is as
+        it was.
         """
         relief = Relief(ground, self.ground.relief.detail)
         changed = self.grid.touching(*relief.touching(rows, columns))
-        uploaded = self.ground.updated(relief, rows)
-        analysis = self.analysis.copy()
-        analyse_tiles(uploaded, analysis, changed)
-        # corners without data stand at the lowest height there is: all of them may move
-        points = control_points_on_device(uploaded, analysis)
-        ladder = None if self.ladder is None else self.ladder.copy()
-        if ladder is not None:
-            measure_tiles(uploaded, analysis, ladder, changed)
+        before = self._before(rows, changed)
+        try:
+            uploaded = self.ground.updated(relief, rows)
+            analyse_tiles(uploaded, self.analysis, changed)
+            # corners without data stand at the lowest height there is: all of them may move
+            points = control_points_on_device(uploaded, self.analysis)
+            if self.ladder is not None:
+                measure_tiles(uploaded, self.analysis, self.ladder, changed)
+            tree = self.tree and self.tree.updated(uploaded, self.analysis, changed)
+            self.device.finish()  # what fails there fails here
+        except BaseException:
+            for array, first, values in before:
+                array.paste(values, first)
+            raise
         patches = replace(self.patches, control_points=points)
-        tree = None if self.tree is None else self.tree.updated(uploaded, analysis, changed)
-        return DeviceTiles(uploaded, analysis, patches, ladder, tree), len(changed)
+        return DeviceTiles(uploaded, self.analysis, patches, self.ladder, tree), len(changed)
+
+    def _before(
+        self, rows: slice, changed: npt.NDArray[np.int32]
+    ) -> list[tuple[DeviceArray, int, DeviceArray]]:
+        """Return what an update may overwrite: arrays, the first row of each, and rows from it."""
+        across = self.grid.shape[1]
+        top, bottom = int(changed[0]) // across, int(changed[-1]) // across + 1
+        parts = [
+            (self.ground.heights, rows.start, rows.stop),
+            (self.analysis.planes, top, bottom),
+            (self.analysis.details, top, bottom),
+        ]
+        if self.ground.masked:
+            parts.append((self.ground.holes, rows.start, rows.stop))
+        if self.ladder is not None:
+            parts += [
+                (self.ladder.tiles, top * across, bottom * across),
+                (self.ladder.inner, top * across, bottom * across),
+                (self.ladder.across, top * across, (bottom + 1) * across),
+                (self.ladder.down, top * (across + 1), bottom * (across + 1)),
+            ]
+        return [(array, first, array.copy(first, end)) for array, first, end in parts]
 
     @property
     def patch_set(self) -> PatchSet:

@@ -71,12 +71,12 @@ class Paint:
 UNPAINTED: Final = Paint(np.empty((0, 3), np.uint8), "")
 
 
-def by_height(mesh: Mesh, sun: Sun, height_range: tuple[float, float]) -> Paint:
+def by_height(mesh: Mesh, sun: Sun, height_range: tuple[float, float], unit: str) -> Paint:
     """Tint by height, under the sun."""
     heights = mesh.vertices[:, 2] + np.float32(mesh.origin[2])
     tints = hypsometric(heights, mesh.normals, height_range)
     low, high = height_range
-    legend = f"tinted by height, {low:,.4g} to {high:,.4g} m"
+    legend = f"tinted by height, {low:,.4g} to {high:,.4g} {unit}"
     return Paint(to_bytes(lit(tints, mesh.normals, sun_direction(*sun))), legend)
 
 
@@ -114,11 +114,12 @@ def by_deviation(
     deviations: npt.NDArray[np.float32],
     triangle_offsets: npt.NDArray[np.int64],
     rough: float,
+    unit: str,
 ) -> Paint:
     """Colour the patches by how far their ground leaves its plane; `rough` is the brightest."""
     shares = np.nan_to_num(deviations) / (rough or 1.0)
     colours = ramp(HEAT_STOPS, shares.astype(np.float32))
-    legend = f"deviation from a tile's plane: dark 0, bright {rough:.3g} m and more"
+    legend = f"deviation from a tile's plane: dark 0, bright {rough:.3g} {unit} and more"
     return Paint(_of_patches(colours, triangle_offsets, mesh, sun), legend)
 
 
@@ -128,7 +129,8 @@ def by_error(mesh: Mesh, sun: Sun, field: npt.NDArray[np.float32], ground: Heigh
     table = to_bytes(ramp(ERROR_STOPS, np.linspace(-1, 1, _STEPS, dtype=np.float32)))
     steps = np.nan_to_num((field / top + 1) * (0.5 * (_STEPS - 1)), nan=0.5 * _STEPS)
     light = 255 * _light(mesh.normals, sun)
-    legend = f"vertical error: red {top:.3g} m above the ground, white 0, blue below"
+    unit = ground.unit_symbols[1]
+    legend = f"vertical error: red {top:.3g} {unit} above the ground, white 0, blue below"
     colours = np.repeat(light.astype(np.uint8)[:, None], 3, axis=1)
     return Paint(colours, legend, Drape(table[steps.astype(np.intp)], ground))
 

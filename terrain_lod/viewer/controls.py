@@ -21,7 +21,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
-from ..errors import TerrainError
+from ..errors import FileError, TerrainError
 from .movie import Movie
 from .rig import Rig
 from .settings import Settings, Slider
@@ -98,7 +98,11 @@ class Controls:
             self._sync_sliders()
         drawn = self.window.pump()
         if drawn and self.movie is not None:
-            self.movie.add(self.window.picture())
+            try:
+                self.movie.add(self.window.picture())
+            except FileError as error:
+                self.movie, self.window.note = None, f"the recording ends: {error}"
+                self.window.redraw()
 
     # keys
 
@@ -142,10 +146,17 @@ class Controls:
                 self._interactor.TerminateApp()
 
     def record(self, path: Path | None) -> None:
-        """Begin a recording to `path`; None ends the one that runs."""
-        if self.movie is not None:
-            self.movie.close()
-            self.window.note = f"wrote {self.movie.path}"
+        """Begin a recording to `path`; None ends the one that runs, written or not.
+
+        Raises
+        ------
+        TerrainError
+            If one of the two cannot be written.
+        """
+        ended, self.movie = self.movie, None
+        if ended is not None:
+            ended.close()
+            self.window.note = f"wrote {ended.path}"
         self.movie = None if path is None else Movie(path)
         if path is not None:
             self.window.note = f"recording {path}"
@@ -205,7 +216,7 @@ class Controls:
             widget = self.window.plotter.add_slider_widget(
                 lambda value, slider=slider: self._slide(slider, value),
                 (low, high),
-                value=slider.on_scale(getattr(self.window.settings, slider.name)),
+                value=slider.on_scale(self.window.settings.value(slider.name)),
                 title=slider.label,
                 color=(0.10, 0.14, 0.20),
                 interaction_event="always",
@@ -232,7 +243,7 @@ class Controls:
         for slider in settings.numbers:
             widget = self.widgets[slider.name]
             shape = widget.GetRepresentation()
-            value = getattr(settings, slider.name)
+            value = settings.value(slider.name)
             shape.SetMinimumValue(slider.on_scale(slider.low))
             shape.SetMaximumValue(slider.on_scale(slider.high))
             shape.SetValue(slider.on_scale(value))

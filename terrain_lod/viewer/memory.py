@@ -1,7 +1,8 @@
-"""Memory over a long flight: what the C library keeps."""
+"""Memory over a long flight: what the C library keeps, and Python's collector of cycles."""
 
 from __future__ import annotations
 
+import gc
 from contextlib import suppress
 from ctypes import CDLL
 from typing import Final
@@ -23,3 +24,27 @@ def keep_large_blocks_apart() -> None:
     with suppress(AttributeError, OSError, TypeError):
         CDLL(None).mallopt(_M_MMAP_THRESHOLD, _LARGE)
         CDLL(None).mallopt(_M_TRIM_THRESHOLD, _KEPT)
+
+
+class Collector:
+    """Python's collector of cycles, off by itself from the first that wants so to the last."""
+
+    def __init__(self) -> None:
+        self._holders: set[object] = set()
+        self._was_on = False
+
+    def hold(self, holder: object) -> None:
+        """Have it off until :meth:`release`, whoever else is done before."""
+        if not self._holders:
+            self._was_on = gc.isenabled()
+            gc.disable()
+        self._holders.add(holder)
+
+    def release(self, holder: object) -> None:
+        """Turn it on as it was if nobody else wants it off."""
+        if self._holders == {holder} and self._was_on:
+            gc.enable()
+        self._holders.discard(holder)
+
+
+COLLECTOR: Final = Collector()

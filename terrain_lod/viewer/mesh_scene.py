@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..camera.camera import Camera, Point
+from ..camera.viewpoint import camera_around
 from ..curved.bezier import bezier
 from ..curved.patch_factors import MAX_FACTOR
 from ..curved.patched_mesh import PatchedMesh, require_curvable
@@ -37,8 +38,6 @@ from .settings import Settings
 
 # rows are where x, y and z go: y up becomes z up
 _TURN = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
-# across, back and up from the middle of a mesh to the first eye, in diagonals
-_EYE = (0.5, -1.0, 0.6)
 
 
 @dataclass(frozen=True)
@@ -101,13 +100,13 @@ class _Placed(Scene):
     """What meshes have in common: a box that they stand in."""
 
     def __init__(self, low: npt.NDArray[np.float64], high: npt.NDArray[np.float64]) -> None:
+        self.bounds = low, high
         x, y, z = ((low + high) / 2).tolist()
         self.centre: Point = (x, y, z)
         self.diagonal = float(np.linalg.norm(high - low)) or 1.0
 
     def camera(self) -> Camera:
-        eye = np.add(self.centre, np.multiply(_EYE, self.diagonal))
-        return Camera(tuple(eye.tolist()), self.centre, fov=45.0)
+        return camera_around(np.stack(self.bounds))
 
 
 class CurvedScene(_Placed):
@@ -214,7 +213,7 @@ class BezierScene(_Placed):
 
     def tessellated(self, request: Request) -> MeshFrame:
         settings, count = request.settings, len(self.nets)
-        factor = settings.factor if settings.tessellated else 1.0
+        factor = settings.value("factor") if settings.tessellated else 1.0
         mesh = bezier(
             self.nets, factor=factor, partitioning=settings.partitioning, device=self.device
         )
@@ -230,4 +229,4 @@ class BezierScene(_Placed):
 
 def _most(settings: Settings) -> float:
     """Return the largest factor that can be expected, for the colours."""
-    return MAX_FACTOR if settings.lod == "uniform" else settings.maximum
+    return float(getattr(settings.formulas[settings.lod], "maximum", MAX_FACTOR))

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Final
 
-from ..curved import patch_factors
-from ..curved.patch_factors import MAX_FACTOR, EdgeFactor, UniformFactor
+from ..curved.patch_factors import EDGE_FACTORS, EdgeFactor, UniformFactor
 from ..curved.smooth import NORMALS, SEMI_UNIFORM
 from ..device.layout import PARTITIONINGS
+from ..drawing.picture import SUN_ON_MESHES
+from ..numbered import begin
 from .settings import (
     SHARED,
     SUN,
@@ -18,20 +19,13 @@ from .settings import (
 )
 
 MODES: Final = ("shaded", "wireframe", "lod", "normals")
-LODS: Final = ("uniform", "distance", "length", "silhouette", "orientation", "curvature")
 
 _CHOICES: Final = (
-    Choice("mode", "m", MODES),
-    Choice("lod", "l", LODS, "factor of an edge"),
     Choice("partitioning", "p", (*PARTITIONINGS, SEMI_UNIFORM)),
     Choice("sharp", "x", ("normals", "angle", "never"), "sharp edges by"),
     Choice("normals", "n", NORMALS),
     Choice("back_faces", "b", (True, False), "back faces"),
     *SHARED[1:],
-)
-_SUN_FROM: Final = 200.0  # over the shoulder of the first view
-_FACTOR: Final = Slider(
-    "factor", "factor", 1.0, MAX_FACTOR, ("lod", ("uniform",)), logarithmic=True
 )
 
 
@@ -39,7 +33,11 @@ _FACTOR: Final = Slider(
 class BezierSettings(Settings):
     """What a viewer of Bézier patches is set to: one factor for all of them."""
 
-    azimuth: float = _SUN_FROM
+    azimuth: float = SUN_ON_MESHES[0]
+
+    def __post_init__(self) -> None:
+        if not self.formulas:
+            object.__setattr__(self, "formulas", {"uniform": UniformFactor()})
 
     @property
     def choices(self) -> tuple[Choice, ...]:
@@ -47,7 +45,7 @@ class BezierSettings(Settings):
 
     @property
     def numbers(self) -> tuple[Slider, ...]:
-        return (_FACTOR, *SUN)
+        return (*self.formula_sliders(), *SUN)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,8 +54,6 @@ class CurvedSettings(Settings):
 
     Attributes
     ----------
-    cosine : float
-        How far an outline reaches; of the silhouette formula.
     sharp : str
         Which edges are sharp: where "normals" differ, by the "angle" of their faces, "never".
     crease : float
@@ -68,34 +64,29 @@ class CurvedSettings(Settings):
         Whether patches that are turned away are drawn.
     """
 
-    azimuth: float = _SUN_FROM
-    pixels: float = 8.0
-    cosine: float = 0.3
+    azimuth: float = SUN_ON_MESHES[0]
     sharp: str = "normals"
     crease: float = 30.0
     normals: str = "quadratic"
     back_faces: bool = True
 
     def __post_init__(self) -> None:
-        # the first view is from outside: all of the mesh is farther than its diagonal
-        object.__setattr__(self, "far", self.far or 2 * self.diagonal)
+        if not self.formulas:
+            begun = {name: begin(kind, self.diagonal) for name, kind in EDGE_FACTORS.items()}
+            object.__setattr__(self, "formulas", begun)
 
     @property
     def choices(self) -> tuple[Choice, ...]:
-        return _CHOICES
+        return (
+            Choice("mode", "m", MODES),
+            Choice("lod", "l", tuple(self.formulas), "factor of an edge"),
+            *_CHOICES,
+        )
 
     @property
     def numbers(self) -> tuple[Slider, ...]:
-        size, distance = self.diagonal, ("lod", ("distance",))
-        ranged, pixels = ("lod", LODS[1:]), ("lod", ("length", "curvature"))
         return (
-            _FACTOR,
-            Slider("near", "near", 0.0, size, distance),
-            Slider("far", "far", 0.01 * size, 4 * size, distance),
-            Slider("pixels", "pixels", 0.125, 64.0, pixels, logarithmic=True),
-            Slider("cosine", "width of outline", 0.01, 1.0, ("lod", ("silhouette",))),
-            Slider("minimum", "least factor", 1.0, MAX_FACTOR, ranged, logarithmic=True),
-            Slider("maximum", "most factor", 1.0, MAX_FACTOR, ranged, logarithmic=True),
+            *self.formula_sliders(),
             Slider("crease", "sharp above, degrees", 0.0, 180.0, ("sharp", ("angle",))),
             *SUN,
         )
@@ -112,5 +103,5 @@ class CurvedSettings(Settings):
         """Return how many segments an edge gets."""
         if not self.tessellated:
             return UniformFactor(1.0)
-        kind: type[EdgeFactor] = getattr(patch_factors, f"{self.lod.title()}Factor")
-        return kind(**{field.name: getattr(self, field.name) for field in fields(kind)})  # type: ignore[arg-type]
+        chosen: EdgeFactor = self.formulas[self.lod]
+        return chosen

@@ -1,23 +1,33 @@
-"""Recordings: GIF with what is always there, MP4 with the extra ``[movie]``."""
+"""Recordings: GIF with what is always there, MP4 with the extra ``[movie]``.
+
+Pictures are written as they come, under a temporary name: a recording may be as long as the disk.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Generator, Iterator
+from contextlib import AbstractContextManager, contextmanager, suppress
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
+import numpy as np
+import numpy.typing as npt
 from PIL import Image
+from PIL.GifImagePlugin import getdata, getheader
 
-from ..drawing.render import Picture
-from ..errors import FileError, InputError, MissingExtraError
-from ..paths import require_folder
+from ..drawing.picture import Picture
+from ..errors import InputError, MissingExtraError
+from ..paths import replacing, require_folder
 
 ENDINGS: Final = (".gif", ".mp4")
 _RATE: Final = 20  # pictures a second; GIF counts in hundredths
 _COLOURS: Final = 256
 
+_Write = Callable[[npt.NDArray[np.uint8]], None]
+
 
 class Movie:
-    """A recording that pictures are added to.
+    """A recording that pictures are added to; the file appears when it is closed.
 
     Parameters
     ----------
@@ -36,58 +46,103 @@ class Movie:
 
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
-        if self.path.suffix.lower() not in ENDINGS:
+        ending = self.path.suffix.lower()
+        if ending not in ENDINGS:
             raise InputError(
                 f"expected a recording that ends in {' or '.join(ENDINGS)}, got {self.path.name}"
             )
         require_folder(self.path)
-        self._pictures: list[Image.Image] = []
+        if ending == ".mp4":
+            _require_video(self.path)
         self._size: tuple[int, int] | None = None
-        self._video = _video(self.path) if self.path.suffix.lower() == ".mp4" else None
+        self._recording = _recording(self.path, _video if ending == ".mp4" else _gif)
+        next(self._recording)
 
     def add(self, picture: Picture) -> None:
-        """Add a picture; the first one sets the size, later ones are scaled to it."""
+        """Add a picture; the first one sets the size, later ones are scaled to it.
+
+        Raises
+        ------
+        FileError
+            If it cannot be written; that was the end of the recording.
+        """
         image = Image.fromarray(picture)
         # video codecs want even numbers
         self._size = self._size or (image.width & ~1 or 2, image.height & ~1 or 2)
         if image.size != self._size:
             image = image.resize(self._size)
-        if self._video is not None:
-            import numpy as np
-
-            self._video.append_data(np.asarray(image))
-        else:
-            # the other ways lose what is small: a mark, a frustum, green in a brown picture
-            self._pictures.append(image.quantize(_COLOURS, Image.Quantize.MAXCOVERAGE))
+        self._recording.send(np.asarray(image))
 
     def close(self) -> None:
-        """Write what was added.
+        """End the recording: what was added becomes the file, if anything was.
 
         Raises
         ------
         FileError
             If it cannot be written.
         """
-        if self._video is not None:
-            self._video.close()
-        elif self._pictures:
-            first, *rest = self._pictures
-            try:
-                first.save(
-                    self.path, save_all=True, append_images=rest, duration=1000 // _RATE, loop=0
-                )
-            except OSError as error:
-                raise FileError(f"cannot write {self.path}: {error.strerror or error}") from None
-            self._pictures.clear()
+        with suppress(StopIteration):
+            self._recording.send(None)
 
 
-def _video(path: Path) -> Any:
+def _recording(
+    path: Path, writer: Callable[[Path], AbstractContextManager[_Write]]
+) -> Generator[None, npt.NDArray[np.uint8] | None]:
+    """Take pictures, of one size, and write each; None ends it."""
+    picture = yield
+    if picture is None:
+        return
+    with replacing(path) as temporary, writer(temporary) as write:
+        while picture is not None:
+            write(picture)
+            picture = yield
+
+
+@contextmanager
+def _gif(path: Path) -> Iterator[_Write]:
+    """Yield what writes a picture: where it differs from the one before, in its own colours."""
+    shown: npt.NDArray[np.uint8] | None = None
+
+    def write(picture: npt.NDArray[np.uint8]) -> None:
+        nonlocal shown
+        left, top = 0, 0
+        changed = picture
+        if shown is not None:
+            rows, columns = np.nonzero((picture != shown).any(axis=-1))
+            if len(rows):
+                left, top = int(columns.min()), int(rows.min())
+                changed = picture[top : rows.max() + 1, left : columns.max() + 1]
+            else:
+                changed = picture[:1, :1]
+        # the other ways lose what is small: a mark, a frustum, green in a brown picture
+        image = Image.fromarray(changed).quantize(_COLOURS, Image.Quantize.MAXCOVERAGE)
+        if shown is None:
+            file.writelines(getheader(image, info={"loop": 0})[0])
+        file.writelines(
+            getdata(image, (left, top), duration=1000 // _RATE, include_color_table=True)
+        )
+        shown = picture
+
+    with path.open("wb") as file:
+        yield write
+        file.write(b";")
+
+
+@contextmanager
+def _video(path: Path) -> Iterator[_Write]:
+    """Yield what writes a picture."""
+    import imageio
+
+    with imageio.get_writer(path, fps=_RATE, macro_block_size=2) as video:
+        yield video.append_data
+
+
+def _require_video(path: Path) -> None:
     try:
-        import imageio
+        import imageio  # noqa: F401
         import imageio_ffmpeg  # noqa: F401
     except ImportError:
         raise MissingExtraError(
             f"expected imageio with ffmpeg for {path.name}, got none: install "
             "'terrain_lod[movie]', or record a .gif"
         ) from None
-    return imageio.get_writer(path, fps=_RATE, macro_block_size=2)

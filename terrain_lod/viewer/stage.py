@@ -14,7 +14,7 @@ import numpy.typing as npt
 from ..camera.camera import Camera
 from ..drawing.colours import to_bytes
 from ..drawing.graphics import require_graphics
-from ..drawing.render import (
+from ..drawing.picture import (
     HORIZON,
     INK,
     ZENITH,

@@ -47,14 +47,17 @@ class Measured:
         Vertical, in the raster's unit.
     pixels : float or None
         In the picture; None if it was not measured.
+    unit : str
+        The symbol of the raster's.
     """
 
     metres: float
     pixels: float | None
+    unit: str = "m"
 
     def __str__(self) -> str:
         pixels = "" if self.pixels is None else f", {self.pixels:.3g} pixels"
-        return f"{self.metres:.3g} m{pixels}"
+        return f"{self.metres:.3g} {self.unit}{pixels}"
 
 
 @dataclass(frozen=True)
@@ -80,13 +83,15 @@ class TilePick(Pick):
     inside_factors: tuple[float, ...]
     normal: tuple[float, ...]
     deviation: float
+    unit: str = "m"
 
     def lines(self) -> tuple[str, ...]:
         x, y, z = self.point
         return (
-            f"tile {self.tile[0]}, {self.tile[1]}  height {z:,.2f} m at {x:,.1f}, {y:,.1f}",
+            f"tile {self.tile[0]}, {self.tile[1]}  "
+            f"height {z:,.2f} {self.unit} at {x:,.1f}, {y:,.1f}",
             f"factors {numbered(self.edge_factors)}  inside {numbered(self.inside_factors)}",
-            f"plane {numbered(self.normal, 3)}  deviation {self.deviation:.3g} m",
+            f"plane {numbered(self.normal, 3)}  deviation {self.deviation:.3g} {self.unit}",
         )
 
 
@@ -113,6 +118,7 @@ class TerrainFrame(Frame):
 
     def painted(self) -> Paint:
         mesh, sun, ground = self.mesh, self.sun, self.terrain.ground
+        unit = ground.unit_symbols[1]
         match self.settings.mode:
             case "wireframe":
                 return paper(mesh)
@@ -121,7 +127,9 @@ class TerrainFrame(Frame):
             case "deviation":
                 patches, rough = mesh.patches, self.terrain.scene.rough_deviation
                 assert patches is not None
-                return by_deviation(mesh, sun, patches.deviation, self.triangle_offsets, rough)
+                return by_deviation(
+                    mesh, sun, patches.deviation, self.triangle_offsets, rough, unit
+                )
             case "error":
                 device = self.terrain.device
                 field = vertical_error(mesh, ground, field=True, device=device).field
@@ -129,7 +137,7 @@ class TerrainFrame(Frame):
                 return by_error(mesh, sun, field, ground)
             case "normals":
                 return by_normal(mesh)
-        return by_height(mesh, sun, ground.height_range)
+        return by_height(mesh, sun, ground.height_range, unit)
 
     def measured(self) -> TerrainFrame:
         """Return the frame with its error, measured where the mesh did not bring it."""
@@ -138,7 +146,7 @@ class TerrainFrame(Frame):
         ground, device = self.terrain.ground, self.terrain.device
         metres = vertical_error(self.mesh, ground, device=device).maximum
         pixels = screen_error(self.mesh, ground, self.request.camera, device=device).maximum
-        return replace(self, error=Measured(metres, pixels))
+        return replace(self, error=Measured(metres, pixels, ground.unit_symbols[1]))
 
     def pick(self, camera: Camera, x: float, y: float) -> TilePick | None:
         place = ground_seen(self.terrain.ground, camera, x, y)
@@ -158,6 +166,7 @@ class TerrainFrame(Frame):
             inside_factors=tuple(self.inside_factors[index].tolist()),
             normal=tuple(terrain.analysis.normal[tile].tolist()),
             deviation=float(terrain.analysis.deviation[tile]),
+            unit=ground.unit_symbols[1],
         )
 
 
@@ -206,7 +215,7 @@ class TerrainScene(Scene):
         mesh = terrain.mesh(
             request.camera,
             lod=settings.detail(),
-            edges=settings.edge_rule,
+            edge_rule=settings.usable_edge_rule,
             partitioning=settings.partitioning,
         )
         patches, achieved = mesh.patches, mesh.achieved
@@ -220,7 +229,9 @@ class TerrainScene(Scene):
             triangle_offsets=patches.triangle_offsets,
             settings=settings,
             terrain=terrain,
-            error=None if achieved is None else Measured(achieved.metres, achieved.pixels),
+            error=None
+            if achieved is None
+            else Measured(achieved.metres, achieved.pixels, terrain.ground.unit_symbols[1]),
         )
 
 

@@ -39,7 +39,7 @@ def view(
 ) -> None:
     """Open a window to fly over ground or around a curved mesh; return when it is closed.
 
-    Its keys stand in :mod:`terrain_lod.viewer.view.controls`.
+    Keys and mouse are those of ``terrain-lod view``, whose ``--help`` lists them.
 
     Parameters
     ----------
@@ -50,8 +50,7 @@ def view(
         Where to begin; its size is the window's.
     settings : mapping, optional
         What to begin with, such as ``{"mode": "lod", "pixels": 2.0}``: fields of
-        :class:`~terrain_lod.viewer.view.terrain_settings.TerrainSettings`,
-        :class:`~terrain_lod.viewer.view.mesh_settings.CurvedSettings` or ``BezierSettings`` there.
+        ``TerrainSettings``, ``CurvedSettings`` or ``BezierSettings`` in ``terrain_lod/viewer/``.
     record : str or Path, optional
         GIF or MP4 of all that is shown.
     device : Device, optional

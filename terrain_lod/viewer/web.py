@@ -1,13 +1,16 @@
 """The viewer as a page: the same scene and settings, drawn here, shown in a browser.
 
 Uses pyvista's own web backend, trame. The page's controls are built from the tables of
-``settings``; mouse events reach the window's own controls.
+``settings``; mouse events reach the window's own controls. Who may use it: ``lock``.
 """
 
 from __future__ import annotations
 
 import asyncio
+import math
 import socket
+import sys
+import webbrowser
 from typing import Any, Final
 
 from ..camera.camera import Camera
@@ -18,6 +21,10 @@ from .settings import Slider
 from .window import Window
 
 _PERIOD: Final = 0.03  # seconds between two looks for something new
+_SEEN_FROM_OUTSIDE: Final = (
+    "Other machines reach this page. Whoever has its address, token included, can use the viewer "
+    "and see what it shows; nothing is encrypted, so those on the way can read the token."
+)
 
 
 def serve(
@@ -28,7 +35,7 @@ def serve(
     port: int = 8080,
     open_browser: bool = False,
 ) -> None:
-    """Serve the viewer as a page until interrupted.
+    """Serve the viewer as a page until interrupted; its address is said on stderr.
 
     Parameters
     ----------
@@ -36,8 +43,10 @@ def serve(
     camera : Camera
         Where to begin; the page sets the size.
     host : str, optional
-        Address to listen on; anyone who reaches it can use the viewer.
+        Address to listen on. Whoever reaches it and has the page's address, with its token, can use
+        the viewer.
     port : int, optional
+        0 takes any that is free.
     open_browser : bool, optional
 
     Raises
@@ -52,13 +61,7 @@ def serve(
     try:
         window.texts_shown = False
         page = Page(window)
-        page.server.start(
-            host=host,
-            port=port,
-            open_browser=open_browser,
-            show_connection_info=False,
-            timeout=0,
-        )
+        page.open(host, port, open_browser)
     finally:
         window.close()
 
@@ -95,6 +98,29 @@ class Page:
             self._state.change(slider.name)(self._taker(slider.name, slider))
         self.server.controller.on_server_ready.add(lambda **_: asyncio.ensure_future(self._run()))
 
+    def open(self, host: str, port: int, open_browser: bool) -> None:
+        """Serve the page until interrupted, locked; see :func:`serve`."""
+        from .lock import Lock, is_loopback
+
+        lock, server = Lock(host), self.server
+
+        def bound(web_app: Any) -> None:
+            # trame reads a command line that may be of another program
+            web_app.config.update(host=host, port=port)
+            lock.put_on(server, web_app, self._may_change)
+
+        def ready(**_: Any) -> None:
+            address = lock.address(server.port)
+            print(f"{address}  (Ctrl-C ends it)", file=sys.stderr)
+            if not is_loopback(host):
+                print(_SEEN_FROM_OUTSIDE, file=sys.stderr)
+            if open_browser:
+                asyncio.get_running_loop().run_in_executor(None, webbrowser.open, address)
+
+        server.controller.on_server_bind.add(bound)
+        server.controller.on_server_ready.add(ready)
+        server.start(open_browser=False, show_connection_info=False, timeout=0)
+
     async def _run(self) -> None:
         while True:
             try:
@@ -117,10 +143,10 @@ class Page:
         """Send the settings that the page did not set itself: those would fight with its hand."""
         settings = self.window.settings
         for choice in settings.choices:
-            self._share(choice.name, getattr(settings, choice.name))
+            self._share(choice.name, settings.value(choice.name))
         shown = {slider.name for slider in settings.sliders}
         for slider in settings.numbers:
-            value = getattr(settings, slider.name)
+            value = settings.value(slider.name)
             self._share(slider.name, slider.on_scale(value))
             self._state[f"{slider.name}_said"] = slider.said(value)
             self._state[f"{slider.name}_low"] = slider.on_scale(slider.low)
@@ -137,6 +163,15 @@ class Page:
         self._state.note = self.window.note.split("\n") if self.window.note else []
         self._state.triangle_count = 0 if frame is None else len(frame.mesh.triangles)
 
+    def _may_change(self, change: Any) -> bool:
+        """Return whether a change of the page's state is of a setting, to what that can be."""
+        name, value = change["key"], change["value"]
+        for choice in self.window.settings.choices:
+            if choice.name == name:
+                return value in choice.values
+        is_slider = any(slider.name == name for slider in self.window.settings.numbers)
+        return is_slider and isinstance(value, int | float) and math.isfinite(value)
+
     def _taker(self, name: str, slider: Slider | None = None) -> Any:
         """Return what takes a value from the page."""
 
@@ -145,10 +180,10 @@ class Page:
             if value == self._known[name]:
                 return
             if slider is not None:
-                value = slider.of_scale(float(value))
+                value = slider.of_scale(min(float(value), slider.on_scale(slider.high)))
             try:
                 self.window.change(name, value)
-                held = getattr(self.window.settings, name)
+                held = self.window.settings.value(name)
                 self._known[name] = held if slider is None else slider.on_scale(held)
             except TerrainError as error:
                 self.window.note = str(error)

@@ -4,7 +4,7 @@ Input only changes what is wanted; :meth:`Window.pump`, called some sixty times 
 newest frame and draws. Meshes are made on the engine's thread, so neither input nor drawing waits
 for one.
 
-While a window is open, Python's collector of cycles runs here alone: on the engine's thread it
+While any window is open, Python's collector of cycles runs here alone: on the engine's thread it
 would end objects of VTK's, and VTK would wait for itself.
 """
 
@@ -18,9 +18,10 @@ from time import perf_counter
 from typing import Any, Final
 
 from ..camera.camera import Camera
-from ..drawing.render import Picture, save_png
+from ..drawing.picture import Picture, save_png
 from ..errors import InputError, TerrainError
 from .engine import Engine
+from .memory import COLLECTOR
 from .model import Model
 from .rig import Rig
 from .scene import Frame, Request
@@ -66,11 +67,9 @@ class Window:
     """
 
     def __init__(self, model: Model, camera: Camera, *, off_screen: bool = False) -> None:
-        self._collected = gc.isenabled()
         self.stage = Stage(camera.size, off_screen)
-        gc.disable()
         self.plotter = self.stage.plotter
-        self.model, self.engine = model, Engine(model)
+        self.model = model
         self.settings: Settings = model.scene.settings
         self.frame: Frame | None = None
         self.note = ""
@@ -86,6 +85,8 @@ class Window:
         self._problem: str | None = None
         self._looked = perf_counter()
         self._waiting: float | None = None  # since when there is something to draw
+        COLLECTOR.hold(self)
+        self.engine = Engine(model)
 
     # what is wanted
 
@@ -254,8 +255,7 @@ class Window:
         """End the engine and the window."""
         self.engine.close()
         self.plotter.close()
-        if self._collected:
-            gc.enable()
+        COLLECTOR.release(self)
         gc.collect()
 
     def _show(self, frame: Frame) -> None:

@@ -78,6 +78,7 @@ def test_sharp_keeps_the_cube(meshes: dict[str, Path], tmp_path: Path) -> None:
         (["cube.vtk", "--sharp", "--crease", "200"], "0 to 180"),
         (["cube.vtk", "--crease", "20"], "expected --sharp with --crease"),
         (["cube.vtk", "--lod", "length", "--eye", "1,1,1", "--target", "1,1,1"], "away from"),
+        (["cube.vtk", "--eye", "1,1,1"], "a --lod that looks through --eye, got uniform"),
     ],
 )
 def test_bad_input_is_one_line_and_nothing_is_written(

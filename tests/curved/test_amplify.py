@@ -24,7 +24,7 @@ from terrain_lod.curved.amplify import (
 from terrain_lod.curved.smooth import pn_triangles
 from terrain_lod.device.device import Device
 from terrain_lod.drawing.graphics import graphics_problem
-from terrain_lod.drawing.render import render
+from terrain_lod.drawing.picture import draw
 from terrain_lod.errors import InputError
 from terrain_lod.measure.cracks import crack_report
 from terrain_lod.mesh.mesh import Mesh
@@ -76,7 +76,7 @@ def test_closed_stays_closed(way, name):
 def test_every_way_draws_the_same_picture():
     mesh = cube()
     camera = Camera((3, -4, 3), (0.5, 0.5, 0.5), fov=25, size=(160, 120))
-    pictures = [render(amplify(mesh, 5, way=way), camera) for way in WAYS]
+    pictures = [draw(amplify(mesh, 5, way=way), camera) for way in WAYS]
     for picture in pictures[1:]:
         np.testing.assert_array_equal(picture, pictures[0])
 

@@ -104,14 +104,9 @@ def test_variation_gives_segments_where_the_map_is_not_plane() -> None:
 # decals
 
 
-def shots(mesh: tl.Mesh, count: int, radius: float = 0.2) -> list[Decal]:
-    rng = np.random.default_rng(3)
-    found = []
-    while len(found) < count:
-        eye = rng.normal(size=3) * 3 + 0.5
-        decal = shoot(mesh, tuple(eye), tuple(0.5 - eye), radius, scale=0.1)
-        found += [] if decal is None else [decal]
-    return found
+def shots(mesh: tl.Mesh, count: int, radius: float = 0.2) -> tuple[Decal, ...]:
+    eyes = np.random.default_rng(3).normal(size=(3 * count, 3)) * 3 + 0.5
+    return shoot(mesh, eyes, 0.5 - eyes, radius, scale=0.1)[:count]
 
 
 @pytest.mark.parametrize("curved", [False, True])
@@ -122,16 +117,20 @@ def test_dents_leave_the_mesh_closed(curved: bool) -> None:
     assert found.vertices.max() <= 1.2
 
 
-def test_a_ray_hits_the_nearest_triangle() -> None:
-    decal = shoot(cube(), (0.25, -5, 0.5), (0, 2, 0), 0.1)
-    assert decal is not None
-    np.testing.assert_allclose(decal.point, (0.25, 0, 0.5))
-    np.testing.assert_allclose(decal.normal, (0, -1, 0))
-    assert abs(np.dot(decal.normal, decal.tangent)) < 1e-12
-    assert shoot(cube(), (0.25, -5, 0.5), (0, -1, 0), 0.1) is None
+def test_rays_leave_decals_on_the_nearest_triangles_and_none_where_they_miss() -> None:
+    ahead, away, above = (0, 2, 0), (0, -1, 0), (0, 0, -1)
+    origins = [(0.25, -5, 0.5), (0.25, -5, 0.5), (0.25, 0.5, 3)]
+    first, second = shoot(cube(), origins, [ahead, away, above], [0.1, 0.2, 0.3], scale=0.5)
+    np.testing.assert_allclose(first.point, (0.25, 0, 0.5))
+    np.testing.assert_allclose(first.normal, (0, -1, 0))
+    np.testing.assert_allclose(second.point, (0.25, 0.5, 1))
+    for decal, radius in ((first, 0.1), (second, 0.3)):
+        assert abs(np.dot(decal.normal, decal.tangent)) < 1e-12
+        assert np.linalg.norm(decal.tangent) == pytest.approx(1)
+        assert (decal.radius, decal.scale, decal.bias) == (radius, 0.5, 0.0)
+    assert shoot(cube(), origins[0], away, 0.1) == ()
     far = tl.Mesh(cube().vertices, cube().normals, cube().triangles, np.array([1e6, 0, 0]))
-    moved = shoot(far, (1e6 + 0.25, -5, 0.5), (0, 1, 0), 0.1)
-    assert moved is not None
+    (moved,) = shoot(far, (1e6 + 0.25, -5, 0.5), ahead, 0.1)
     np.testing.assert_allclose(moved.point, (1e6 + 0.25, 0, 0.5))
 
 
@@ -166,7 +165,15 @@ def test_wrong_arguments() -> None:
         (lambda: dent(mesh, [], BOWL, 99), "factor from 1 to 64"),
         (lambda: Decal((0, 0, 0), (0, 0, 2), (1, 0, 0), 1), "normal of length 1"),
         (lambda: Decal((0, 0, 0), (0, 0, 1), (1, 0, 0), 0), "radius > 0"),
-        (lambda: shoot(mesh, (0, 0, 0), (0, 0, 0), 1), "expected a ray"),
+        (lambda: Decal((0, 0, np.nan), (0, 0, 1), (1, 0, 0), 1), "finite point"),
+        (lambda: Decal((0, 0, 0), (0, np.nan, 1), (1, 0, 0), 1), "finite normal"),
+        (lambda: Decal((0, 0, 0), (0, 0, 1), None, 1), "x, y, z for tangent"),  # type: ignore[arg-type]
+        (lambda: dent(mesh, [None], BOWL), "expected decals, got None at 0"),  # type: ignore[list-item]
+        (lambda: shoot(mesh, (0, 0, 0), (0, 0, 0), 1), "expected directions"),
+        (lambda: shoot(mesh, (0, np.nan, 0), (0, 0, 1), 1), "expected finite origins"),
+        (lambda: shoot(mesh, (0, 0, 0), (0, np.inf, 1), 1), "expected finite directions"),
+        (lambda: shoot(mesh, (9, 9, 9), (0, 0, 1), np.nan), "finite radius"),
+        (lambda: shoot(mesh, (0, 0, 0), (0, 0, 1), [1, 2]), "one a ray"),
     ):
         with pytest.raises(tl.InputError, match=message):
             call()

@@ -21,7 +21,7 @@ from terrain_lod.curved.patch_factors import (
 )
 from terrain_lod.curved.smooth import pn_triangles
 from terrain_lod.drawing.graphics import graphics_problem
-from terrain_lod.drawing.render import render
+from terrain_lod.drawing.picture import draw
 from terrain_lod.measure.cracks import crack_report
 
 needs_graphics = pytest.mark.skipif(
@@ -243,7 +243,7 @@ def test_leaving_out_patches_that_are_turned_away_changes_no_pixel(name: str) ->
         left_out += np.count_nonzero(~kept)
         # all of the vertices, so that haze and clipping planes are the same
         part = replace(alike, triangles=whole.triangles[kept])
-        np.testing.assert_array_equal(render(alike, camera), render(part, camera))
+        np.testing.assert_array_equal(draw(alike, camera), draw(part, camera))
     assert left_out > 0.05 * 4 * len(whole.triangles)
 
 

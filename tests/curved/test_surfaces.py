@@ -183,7 +183,7 @@ def test_every_header_has_its_row_and_every_row_its_header():
         (lambda: surface("sphere", factor=-1), "factor > 0, got -1"),
         (lambda: surface("sphere", partitioning="even"), "unknown partitioning 'even'"),
         (lambda: curve("circle"), "unknown curve 'circle': expected one of helix"),
-        (lambda: curve("torus_knot", p=1.5), "a multiple of 1 for p, got 1.5"),
+        (lambda: curve("torus_knot", p=1.5), "a whole number from 1 to 64 for p, got 1.5"),
         (lambda: curve("helix", pieces=0), "whole number from 1"),
         (lambda: curve("helix", factor=0), "factor > 0"),
         (lambda: surface("sphere", patches=(4000, 4000), factor=60), "at most 2147483648 indices"),

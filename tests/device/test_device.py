@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 import threading
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -132,6 +133,84 @@ os.wait()
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this system")
 def test_a_forked_process_is_told_to_spawn_instead_of_hanging() -> None:
     assert "start workers with  multiprocessing.get_context('spawn')" in in_a_child(FORK)
+
+
+FORKED_TERRAIN = """
+import os, signal, sys, threading
+import numpy as np, terrain_lod as tl
+from terrain_lod.device.device import Device
+
+terrain = tl.Terrain(tl.Heightmap(np.add.outer(np.arange(40.0), np.arange(40.0) ** 2)))
+mesh = terrain.mesh(lod=tl.MaxErrorLod(0.5))
+device, array = Device.open(), Device.open().zeros(9, np.float32)
+held, done = threading.Event(), threading.Event()
+
+def hold():
+    with device.lock:
+        held.set()
+        done.wait()
+
+threading.Thread(target=hold, daemon=True).start()
+held.wait()
+uses = {
+    "mesh": lambda: terrain.mesh(lod=tl.MaxErrorLod(0.4)),
+    "height": lambda: terrain.height_at([(3.0, -3.0)]),
+    "update": lambda: terrain.update(slice(0, 1), slice(0, 1), [[1.0]]),
+    "error": lambda: tl.vertical_error(mesh, terrain.ground, device=device),
+    "read": array.host,
+    "write": lambda: array.write([1.0]),
+    "fill": lambda: array.fill(1.0),
+    "wait": device.finish,
+}
+for name, use in uses.items():
+    child = os.fork()
+    if child == 0:
+        signal.alarm(20)  # where it waits for ever
+        try:
+            use()
+        except tl.DeviceError:
+            os._exit(3)
+        os._exit(4)
+    print(name, os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+done.set()
+terrain.mesh(lod=tl.MaxErrorLod(0.4))
+print("and the first goes on")
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this system")
+def test_a_terrain_in_a_fork_is_an_error_and_does_not_hang() -> None:
+    said = in_a_child(FORKED_TERRAIN).splitlines()
+    assert said[-1] == "and the first goes on", said
+    assert {line.split()[1] for line in said[:-1]} == {"3"}, said
+    assert len(said) == 9
+
+
+PRESSED = """
+import os, signal, threading, time
+import numpy as np, terrain_lod as tl
+
+pressed, built = [], threading.Event()
+signal.signal(signal.SIGINT, lambda *_: pressed.append(True))
+
+def press():
+    while not built.wait(0.02):
+        os.kill(os.getpid(), signal.SIGINT)
+
+tl.Device.open()
+threading.Thread(target=press).start()
+try:
+    tl.Terrain(tl.Heightmap(np.eye(20)))
+finally:
+    built.set()
+print("built", bool(pressed))
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals are sent as POSIX has them")
+def test_a_signal_does_not_reach_into_a_build(tmp_path: Path) -> None:
+    # PoCL keeps what it built: here nothing
+    assert in_a_child(PRESSED, POCL_CACHE_DIR=str(tmp_path)) == "built True\n"
 
 
 # memory
@@ -372,3 +451,33 @@ def test_timelines_add_up_by_stage_and_nest(device: Device, folder: Path) -> Non
     assert list(inner.seconds) == ["add"]
     assert outer.seconds["add"] > inner.seconds["add"] > 0
     assert outer.seconds["also"] < 60
+
+
+def test_a_timeline_sees_the_launches_of_its_own_thread(device: Device, folder: Path) -> None:
+    (folder / "add.cl").write_text(ADD)
+    sums = device.zeros(1 << 16, np.float32)
+
+    def launch() -> dict[str, float]:
+        with device.timed() as own:
+            kernel = device.kernel("add.cl", "add")
+            kernel(sums.shape, (64,), sums=sums, term=1.0, count=sums.size)
+        return own.seconds
+
+    with device.timed() as mine:
+        with ThreadPoolExecutor(1) as other:
+            theirs = other.submit(launch).result()
+        assert mine.seconds == {}
+        launch()
+    assert list(theirs) == list(mine.seconds) == ["add"]
+    assert (sums.host() == 2).all()
+
+
+def test_rows_are_copied_and_pasted_on_the_device(device: Device) -> None:
+    one = device.array(np.arange(12, dtype=np.int16).reshape(4, 3))
+    rows = one.copy(1, 3)
+    one.fill(9)
+    assert rows.host().tolist() == [[3, 4, 5], [6, 7, 8]]
+    one.paste(rows, 2)
+    assert one.host().tolist() == [[9, 9, 9], [9, 9, 9], [3, 4, 5], [6, 7, 8]]
+    one.paste(one.copy(2, 2), 0)
+    assert one.host()[0].tolist() == [9, 9, 9]

@@ -16,6 +16,7 @@ from support.grounds import holed, plane, rough
 from terrain_lod import (
     Camera,
     CoplanarityLod,
+    Heightmap,
     InputError,
     Terrain,
     UniformLod,
@@ -26,9 +27,12 @@ from terrain_lod.cli.app import REFUSED, run
 from terrain_lod.drawing.drape import Drape
 from terrain_lod.drawing.flyover import Look, render_path
 from terrain_lod.drawing.graphics import graphics_problem
-from terrain_lod.drawing.render import render
+from terrain_lod.drawing.picture import draw
 from terrain_lod.errors import FileError
 from terrain_lod.viewer.rig import height_at
+
+# the arrays here do not say their spacing, which is then 1
+pytestmark = pytest.mark.filterwarnings("ignore:.*how far apart its samples are")
 
 needs_graphics = pytest.mark.skipif(
     graphics_problem() is not None, reason=f"no 3-D pictures tested: {graphics_problem()}"
@@ -88,9 +92,9 @@ def test_cameras_of_a_file_are_met_and_joined(tmp_path):
         ("{", "expected JSON"),
         ("{}", "a list of cameras"),
         ("[]", "a list of cameras"),
-        ('[{"eye": [0, 0, 1]}]', "for camera 0"),
+        ('[{"eye": [0, 0, 1]}]', "in camera 0"),
         ('[{"eye": [0, 0, 1], "target": [0, 0]}]', "x, y, z for target"),
-        ("[7]", "for camera 0"),
+        ("[7]", "in camera 0"),
     ],
 )
 def test_files_without_cameras_are_refused(tmp_path, text, message):
@@ -138,6 +142,50 @@ def test_pictures_go_on_where_they_stopped(terrain, tmp_path):
 
 
 @needs_graphics
+def test_a_folder_of_another_flight_is_not_gone_on_with(terrain, tmp_path):
+    ground = terrain.ground
+    cameras = orbit(ground, 2, camera=default_camera(ground, size=(32, 24)))
+    lods = (UniformLod(3),)
+    render_path(terrain, cameras[:1], tmp_path / "flight", lods=lods)
+
+    def goes_on(other, look=Look()):  # noqa: B008
+        try:
+            render_path(other, cameras[:1], tmp_path / "flight", lods=lods, look=look)
+        except InputError as error:
+            return str(error).partition(" with other ")[2].partition(":")[0]
+        return True
+
+    def like(heights, mask=None, **options):
+        chosen = {"spacing": ground.spacing, "origin": ground.origin, "base": ground.base}
+        return Heightmap(heights, mask=mask, **{**chosen, **options})
+
+    heights = np.array(ground.heights)
+    assert goes_on(Terrain(like(heights))) is True
+    # all of these have the repr of the first
+    inner = heights.copy()
+    inner[40, 40] = heights[40, 41]
+    hole = np.zeros(heights.shape, bool)
+    hole[40, 40] = True
+    assert "ground" in goes_on(Terrain(like(inner)))
+    assert "ground" in goes_on(Terrain(like(heights, origin=(0.25, 0.0))))
+    assert "ground" in goes_on(Terrain(like(heights, hole)))
+    assert goes_on(Terrain(ground, plane="corners")) == "tiles"
+    small = Heightmap(np.eye(4), spacing=np.divide(ground.spacing, 3))
+    assert "ground" in goes_on(Terrain(ground, detail=small))
+    one, other = (np.full((4, 4, 3), 9, np.uint8) for _ in range(2))
+    one[0, 0], other[3, 3] = 90, 90
+    drapes = (Look(drape=Drape(picture, ground)) for picture in (one, other))
+    render_path(terrain, cameras[:1], tmp_path / "draped", lods=lods, look=next(drapes))
+    with pytest.raises(InputError, match="with other look"):
+        render_path(terrain, cameras[:1], tmp_path / "draped", lods=lods, look=next(drapes))
+    # nothing is known of these pictures
+    for text in ("", "[]", None):
+        notes = tmp_path / "flight" / "frames.json"
+        notes.unlink() if text is None else notes.write_text(text)
+        assert "ground" in goes_on(terrain)
+
+
+@needs_graphics
 def test_two_levels_of_detail_stand_side_by_side_with_their_counts(terrain, tmp_path):
     camera = default_camera(terrain.ground, size=(322, 120))
     lods = (UniformLod(1), UniformLod(15))
@@ -156,7 +204,7 @@ def test_two_levels_of_detail_stand_side_by_side_with_their_counts(terrain, tmp_
     half = Camera(camera.eye, camera.target, fov=camera.fov, size=(160, 120))
     mesh = terrain.mesh(half, lod=lods[0])
     height_range = terrain.ground.height_range
-    alone = render(mesh, half, style="wireframe", height_range=height_range)
+    alone = draw(mesh, half, style="wireframe", height_range=height_range)
     assert (left == alone).all()
     counted = picture("counted", counts=True)
     changed = (counted != plain).any(axis=-1)
@@ -178,7 +226,7 @@ def test_a_drape_lies_where_its_ground_is():
     x, y, z = ground.centre
     camera = Camera((x, y, z + 600.0), (x, y, z), up=(0, 1, 0), size=(100, 100))
     mesh = Terrain(ground).mesh(lod=UniformLod(5))
-    shown = render(mesh, camera, drape=drape, sun=(0.0, 90.0)).astype(int)
+    shown = draw(mesh, camera, drape=drape, sun=(0.0, 90.0)).astype(int)
     for pixel, channel in (((40, 40), 0), ((40, 60), 1), ((60, 40), 2)):
         colour = shown[pixel]
         assert colour[channel] > 150

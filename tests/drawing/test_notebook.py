@@ -25,6 +25,9 @@ from terrain_lod import (
 from terrain_lod.drawing.graphics import graphics_problem
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
+ACCESSORS = pytest.mark.skipif(
+    not hasattr(pyvista, "register_dataset_accessor"), reason="pyvista before 0.48 has no accessors"
+)
 
 
 def checked(html):
@@ -102,9 +105,7 @@ def test_cell_data_is_that_of_the_patches():
     assert (surface["deviation"] == mesh.patches.deviation[patch]).all()
 
 
-@pytest.mark.skipif(
-    not hasattr(pyvista, "register_dataset_accessor"), reason="pyvista before 0.48 has no accessors"
-)
+@ACCESSORS
 def test_accessor_is_there_without_an_import_and_goes_back_and_forth(tmp_path):
     ground = rough(61, 61, spacing=10.0, origin=(5e5, 4e6), crs="EPSG:32610")
     mesh = Terrain(ground).mesh(lod=UniformLod(15.0))
@@ -122,10 +123,27 @@ def test_accessor_is_there_without_an_import_and_goes_back_and_forth(tmp_path):
     assert np.linalg.norm(cube.normals, axis=1) == pytest.approx(np.ones(len(cube.normals)))
 
 
-@pytest.mark.filterwarnings("default")  # of Jupyter's own
-@pytest.mark.skipif(
-    graphics_problem() is not None, reason=f"no notebook tested: {graphics_problem()}"
-)
+@ACCESSORS
+@pytest.mark.parametrize("north", [0.0, 4_000_000.0])
+def test_accessor_keeps_what_float64_points_hold(north):
+    ground = rough(61, 61, spacing=0.5, origin=(500_000.125, north + 0.0625))
+    mesh = Terrain(ground).mesh()
+    surface = mesh.to_pyvista()
+    surface.points = mesh.vertices.astype(np.float64) + mesh.origin  # as VTK's readers give them
+    del surface.field_data["origin"]
+    again = surface.terrain_lod.mesh()
+    # float32 alone would move them by up to 0.25 m
+    found = again.vertices.astype(np.float64) + again.origin
+    np.testing.assert_allclose(found, surface.points, rtol=0, atol=1e-4)
+    assert surface.terrain_lod.vertical_error(ground).maximum < 1e-2 * np.ptp(ground.height_range)
+    # an origin that is known is moved along
+    surface.points = surface.points - (1000.0, 0.0, 0.0)
+    surface.field_data["origin"] = (1000.0, 0.0, 0.0)
+    moved = surface.terrain_lod.mesh()
+    np.testing.assert_allclose(moved.vertices + moved.origin, found, rtol=0, atol=1e-4)
+
+
+@ACCESSORS
 def test_accessor_keeps_texture_coordinates():
     corners = np.float32([[0, 0, 0], [1, 0, 0], [0, 1, 0]])
     textures = corners[:, :2] / 2
@@ -140,6 +158,10 @@ def test_accessor_keeps_texture_coordinates():
     np.testing.assert_array_equal(back.textures, textures)
 
 
+@pytest.mark.filterwarnings("default")  # of Jupyter's own
+@pytest.mark.skipif(
+    graphics_problem() is not None, reason=f"no notebook tested: {graphics_problem()}"
+)
 def test_the_example_notebook_runs():
     nbclient = pytest.importorskip("nbclient", reason="no notebook tested: nbclient is missing")
     import nbformat

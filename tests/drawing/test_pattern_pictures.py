@@ -184,7 +184,8 @@ def test_bad_input_is_refused_in_one_line(tmp_path, make, error, message):
 
 
 def test_the_command_draws_what_the_library_draws(tmp_path, capsys):
-    command = "pattern --domain quad --partitioning fractional_odd --edges 3,5,7.5,9 --inside 4.2,6"
+    factors = "--edge-factors 3,5,7.5,9 --inside-factors 4.2,6"
+    command = f"pattern --domain quad --partitioning fractional_odd {factors}"
     assert run([*command.split(), "-o", str(tmp_path / "a.svg")]) == 0
     assert "50 points, 72 triangles" in capsys.readouterr().out
     save_pattern(example(), tmp_path / "b.svg", edge_factors=EDGES, inside_factors=INSIDES)
@@ -202,16 +203,16 @@ def test_the_command_animates(tmp_path):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        ("--edges 3,5 -o a.svg", "expected 1 or 4 numbers for --edges of a quad, got (3.0, 5.0)"),
-        ("--inside 1,2,3 -o a.svg", "expected 1 or 2 numbers for --inside of a quad"),
-        ("--domain isoline --inside 3 -o a.svg", "expected no --inside for isoline"),
+        ("--edge-factors 3,5 -o a.svg", "for --edge-factors of a quad, got (3.0, 5.0)"),
+        ("--inside-factors 1,2,3 -o a.svg", "1 or 2 numbers for --inside-factors of a quad"),
+        ("--domain isoline --inside-factors 3 -o a.svg", "no --inside-factors for isoline"),
         ("--partitioning semi_uniform -o a.svg", "expected --domain triangle with semi_uniform"),
         ("-o a.gif", "expected --sweep LOW,HIGH with a .gif"),
         ("-o a.bmp", "unknown picture format '.bmp'"),
         ("--sweep 1,4 -o a.svg", "unknown animation format '.svg'"),
-        ("--sweep 1,4 --edges 3 -o a.gif", "expected --sweep or --edges and --inside, got both"),
+        ("--sweep 1,4 --edge-factors 3 -o a.gif", "--edge-factors and --inside-factors, got both"),
         ("--sweep 1,4 --frames 1 -o a.gif", "whole number from 2 to 1000 for --frames, got 1"),
-        ("--edges three -o a.svg", "expected FACTOR[,FACTOR...], got 'three'"),
+        ("--edge-factors three -o a.svg", "expected FACTOR[,FACTOR...], got 'three'"),
     ],
 )
 def test_the_command_refuses_in_one_line(words, message, capsys, tmp_path, monkeypatch):

@@ -17,10 +17,11 @@ from support.drawn_meshes import grid_mesh, mesh_of
 from terrain_lod.errors import FileError, InputError
 from terrain_lod.files.meshes.export import FORMATS, save
 from terrain_lod.files.meshes.glb import write_glb
-from terrain_lod.files.meshes.loading import load_mesh, vertex_normals
+from terrain_lod.files.meshes.loading import load_mesh
 from terrain_lod.ground.grid import TileGrid
 from terrain_lod.ground.heightmap import Heightmap
 from terrain_lod.mesh.mesh import Mesh, Patches
+from terrain_lod.mesh.normals import vertex_normals
 
 
 @pytest.fixture(scope="module")

@@ -32,15 +32,16 @@ from terrain_lod.errors import (
     MissingExtraError,
     TerrainError,
 )
-from terrain_lod.files.rasters import loading, readers_geo
+from terrain_lod.files.rasters import readers_gdal
 from terrain_lod.files.rasters.degrees import metres_per_degree
+from terrain_lod.files.rasters.formats import FORMATS
 from terrain_lod.files.rasters.loading import load
 
 
 class TestImages:
     def test_16_bit_png_is_taken_as_it_is(self, tmp_path: Path) -> None:
-        values = np.array([[0, 1, 256], [32767, 32768, 65535]], np.uint16)
-        ground = load(write_image(tmp_path / "peak.v2.PNG", values))
+        values = np.array([[0, 1, 256, 9001], [20_000, 32767, 32768, 65535]], np.uint16)
+        ground = load(write_image(tmp_path / "peak.v2.PNG", values), spacing=1)
         np.testing.assert_array_equal(ground.elevation, values)
         assert (ground.name, ground.spacing, ground.origin) == ("peak.v2", (1, 1), (0, 0))
 
@@ -53,7 +54,7 @@ class TestImages:
         else:
             write_image(path, flat)
         with pytest.warns(UserWarning, match=r"low\.\w+ has 8-bit heights: 256 steps") as caught:
-            ground = load(path)
+            ground = load(path, spacing=1)
         np.testing.assert_array_equal(ground.elevation, flat)
         assert caught[0].filename == __file__
 
@@ -65,12 +66,12 @@ class TestImages:
 
     def test_height_range_of_signed_numbers(self, tmp_path: Path) -> None:
         np.save(tmp_path / "a.npy", np.array([[-32768, 32767], [0, 0]], np.int16))
-        ground = load(tmp_path / "a.npy", height_range=(0, 65535))
+        ground = load(tmp_path / "a.npy", height_range=(0, 65535), spacing=1)
         np.testing.assert_allclose(ground.elevation, [[0, 65535], [32768, 32768]])
 
     def test_transparent_grey_is_nodata(self, tmp_path: Path) -> None:
         values = np.array([[5, 6], [7, 5]], np.uint16)
-        ground = load(write_image(tmp_path / "a.png", values, transparency=5))
+        ground = load(write_image(tmp_path / "a.png", values, transparency=5), spacing=1)
         np.testing.assert_array_equal(ground.valid, [[False, True], [True, False]])
 
     def test_pillows_guard_stays_but_does_not_stop_large_images(
@@ -78,7 +79,7 @@ class TestImages:
     ) -> None:
         monkeypatch.setattr(Image, "MAX_IMAGE_PIXELS", 100)
         path = write_image(tmp_path / "a.png", np.ones((30, 30), np.uint16))
-        assert load(path).shape == (30, 30)
+        assert load(path, spacing=1).shape == (30, 30)
         assert Image.MAX_IMAGE_PIXELS == 100
 
 
@@ -94,11 +95,11 @@ class TestTerrainRgb:
         return np.stack([code >> 16, code >> 8 & 255, code & 255], -1).astype(np.uint8)
 
     def test_mapbox(self, tmp_path: Path) -> None:
-        ground = load(write_image(tmp_path / "tile.png", self.mapbox()))
+        ground = load(write_image(tmp_path / "tile.png", self.mapbox()), spacing=1)
         np.testing.assert_allclose(ground.elevation, self.HEIGHTS, atol=0.051)
 
     def test_terrarium(self, tmp_path: Path) -> None:
-        ground = load(write_image(tmp_path / "tile.png", self.terrarium()))
+        ground = load(write_image(tmp_path / "tile.png", self.terrarium()), spacing=1)
         np.testing.assert_allclose(ground.elevation, self.HEIGHTS, atol=0.003)
 
     def test_tiff(self, tmp_path: Path, route: str) -> None:
@@ -110,12 +111,12 @@ class TestTerrainRgb:
 
     def test_flat_sea_is_ground(self, tmp_path: Path) -> None:
         sea = np.broadcast_to(np.array([1, 134, 160], np.uint8), (8, 8, 3))
-        assert load(write_image(tmp_path / "sea.png", sea)).height_range == (0, 0)
+        assert load(write_image(tmp_path / "sea.png", sea), spacing=1).height_range == (0, 0)
 
     def test_transparent_pixels_are_nodata(self, tmp_path: Path) -> None:
         pixels = np.dstack([self.mapbox(), np.full((64, 64), 255, np.uint8)])
         pixels[5, 6] = 0
-        ground = load(write_image(tmp_path / "tile.png", pixels))
+        ground = load(write_image(tmp_path / "tile.png", pixels), spacing=1)
         assert ground.mask is not None
         assert np.argwhere(ground.mask).tolist() == [[5, 6]]
 
@@ -210,7 +211,7 @@ class TestTiff:
         assert (ground.spacing, ground.origin) == ((5, 5), (500_015, 3_999_990))
 
     def test_plain_tiff_has_no_place(self, tmp_path: Path, route: str) -> None:
-        ground = load(write_image(tmp_path / "dem.tif", GRID.astype(np.uint16)))
+        ground = load(write_image(tmp_path / "dem.tif", GRID.astype(np.uint16)), spacing=1)
         np.testing.assert_array_equal(ground.elevation, GRID)
         assert (ground.spacing, ground.origin, ground.crs) == ((1, 1), (0, 0), None)
 
@@ -238,7 +239,7 @@ class TestTiff:
         ground = load(path)
         np.testing.assert_array_equal(ground.elevation[1], 1000 + GRID[1] / 2)
         assert not ground.valid[0, 0]
-        monkeypatch.setattr(readers_geo, "_has_rasterio", lambda: False)
+        monkeypatch.setattr(readers_gdal, "has_rasterio", lambda: False)
         assert "got packed ones" in refusal(MissingExtraError, path)
 
     @pytest.mark.parametrize(("ending", "driver"), [("img", "HFA"), ("bil", "EHdr")])
@@ -252,8 +253,8 @@ class TestTiff:
         ("transform", "bands", "words"),
         [
             (Affine(-30, 0, 0, 0, -30, 0), 1, "rotated or mirrored"),
-            (UTM, 2, "got 2 in dem.tif: take one out with gdal_translate -b 1"),
-            (UTM, 3, "got 3 in dem.tif: take one out with gdal_translate -b 1"),
+            (UTM, 2, "got 2 in dem.tif (gray, undefined): choose with band="),
+            (UTM, 3, "got 3 in dem.tif (gray, undefined, undefined): choose with band="),
         ],
     )
     def test_refused_with_rasterio(
@@ -278,7 +279,7 @@ class TestTiff:
     def test_what_pillow_cannot_read_names_the_extra(
         self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, options: dict[str, Any]
     ) -> None:
-        monkeypatch.setattr(readers_geo, "_has_rasterio", lambda: False)
+        monkeypatch.setattr(readers_gdal, "has_rasterio", lambda: False)
         values = GRID.astype(options.pop("dtype", np.float32))
         path = write_tiff(tmp_path / "dem.tif", values, **options)
         words = 'pip install "terrain_lod[geo]"'
@@ -309,7 +310,7 @@ class TestArrays:
     )
     def test_npz(self, tmp_path: Path, arrays: dict[str, Any]) -> None:
         np.savez(tmp_path / "a.npz", **arrays)
-        np.testing.assert_array_equal(load(tmp_path / "a.npz").elevation, GRID)
+        np.testing.assert_array_equal(load(tmp_path / "a.npz", spacing=1).elevation, GRID)
 
     @pytest.mark.parametrize(
         ("arrays", "words"),
@@ -475,6 +476,6 @@ class TestDegrees:
 
 def test_every_ending_is_in_the_manual() -> None:
     assert load.__doc__ is not None
-    for form in loading.FORMATS:
+    for form in FORMATS:
         for ending in form.endings:
             assert ending in load.__doc__ or ending in (".jpeg", ".tiff")

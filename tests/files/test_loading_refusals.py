@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import zipfile
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,8 @@ from PIL import Image
 
 from support.rasters import GRID, TILE, refusal, write_hgt, write_image, write_tiff
 from terrain_lod.errors import FileError, InputError, MissingExtraError
-from terrain_lod.files.rasters import loading
+from terrain_lod.files.rasters import readers_gdal
+from terrain_lod.files.rasters.formats import FORMATS
 from terrain_lod.files.rasters.loading import load
 
 
@@ -64,10 +66,12 @@ def test_missing(tmp_path: Path) -> None:
     assert "got a folder" in refusal(FileError, tmp_path)
 
 
-def test_unknown_ending(tmp_path: Path) -> None:
+def test_unknown_ending(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "a.xyz").touch()
-    message = refusal(InputError, tmp_path / "a.xyz")
-    for form in loading.FORMATS:
+    assert "a raster that GDAL reads in a.xyz" in refusal(FileError, tmp_path / "a.xyz")
+    monkeypatch.setattr(readers_gdal, "has_rasterio", lambda: False)
+    message = refusal(MissingExtraError, tmp_path / "a.xyz")
+    for form in FORMATS:
         assert all(ending in message for ending in form.endings)
 
 
@@ -108,15 +112,21 @@ def test_truncated(tmp_path: Path, route: str, name: str, share: float) -> None:
 def test_png_channels(tmp_path: Path, dtype: type, channels: int) -> None:
     values = np.random.default_rng(0).integers(0, 65536, (channels, 9, 9)).astype(dtype)
     path = write_tiff(tmp_path / "a.png", values, driver="PNG", crs=None)
-    if dtype == np.uint8 and channels == 2:
+    if channels == 2:
         # grey and alpha
-        with pytest.warns(UserWarning, match="8-bit"):
-            np.testing.assert_array_equal(load(path).valid, values[1] != 0)
+        doubts = pytest.warns(UserWarning, match="8-bit") if dtype == np.uint8 else nullcontext()
+        with doubts:
+            ground = load(path, spacing=1)
+        np.testing.assert_array_equal(ground.valid, values[1] != 0)
     else:
-        words = "one channel of 16 bits" if dtype == np.uint16 else "three channels of colour"
-        assert words in refusal(InputError, path)
+        words = "got 3 in a.png (red, green, blue)"
+        assert (words if dtype == np.uint16 else "three channels of colour") in refusal(
+            InputError, path
+        )
 
 
 def test_palette(tmp_path: Path) -> None:
     Image.new("P", (8, 8)).save(tmp_path / "a.png")
-    assert "got P in a.png" in refusal(InputError, tmp_path / "a.png")
+    assert "got a picture whose numbers stand for colours of a palette in a.png" in refusal(
+        InputError, tmp_path / "a.png"
+    )

@@ -24,7 +24,7 @@ from terrain_lod.ground.heightmap import Heightmap
 from terrain_lod.mesh.mesh import Mesh
 from terrain_lod.reports.comparison import (
     EQUAL_SHARE,
-    compare,
+    compare_pair,
     device_bytes,
     with_triangles,
 )
@@ -33,7 +33,7 @@ from terrain_lod.reports.pictures import differing
 from terrain_lod.reports.report import report
 from terrain_lod.reports.tables import rasterised_share
 from terrain_lod.reports.verdict import verdict
-from terrain_lod.terrain.lod import CoplanarityLod, DistanceLod, UniformLod
+from terrain_lod.terrain.lod_formulas import CoplanarityLod, DistanceLod, UniformLod
 from terrain_lod.terrain.terrain import Terrain
 
 TEXTS = {"html", "json", "csv", "maps"}
@@ -102,9 +102,7 @@ def test_third_trial_has_as_many_triangles(made):
     comparison = made.comparison
     assert isinstance(comparison.equal.lod, DistanceLod)
     assert comparison.is_equal
-    assert comparison.equal.triangles == pytest.approx(
-        comparison.coplanarity.triangles, rel=EQUAL_SHARE
-    )
+    assert comparison.equal.triangles == pytest.approx(comparison.other.triangles, rel=EQUAL_SHARE)
     assert comparison.equal.triangles != comparison.distance.triangles
 
 
@@ -174,7 +172,7 @@ def test_page_is_whole_and_holds_everything(made):
     assert all(source.startswith("data:image/") for source in page.sources)
     assert "hills & <dales>" in page.text
     assert all(sentence in page.text for sentence in made.verdict)
-    assert f"{made.comparison.coplanarity.triangles:,}" in page.text
+    assert f"{made.comparison.other.triangles:,}" in page.text
     assert "$" not in page.text
     assert len(page.sources) == len(made.files) - 3  # pictures and maps
 
@@ -243,7 +241,7 @@ def test_difference_is_black_where_same_and_white_where_opposite():
 
 def test_verdict_follows_the_numbers(made):
     comparison = made.comparison
-    ours, equal = comparison.coplanarity, comparison.equal
+    ours, equal = comparison.other, comparison.equal
 
     def at_equal_counts(rms):
         error = replace(equal.error, rms=rms)
@@ -255,7 +253,7 @@ def test_verdict_follows_the_numbers(made):
     )
     assert "equally far" in at_equal_counts(ours.error.rms)
     # the other way round, coplanarity draws more
-    swapped = replace(comparison, distance=ours, coplanarity=comparison.distance)
+    swapped = replace(comparison, distance=ours, other=comparison.distance)
     assert "more triangles than distance LOD" in verdict(swapped, None)[0]
     assert "could not be made to draw as many" in verdict(swapped, None)[1]
     assert "fewer triangles than distance LOD" in verdict(comparison, None)[0]
@@ -279,7 +277,7 @@ def test_nothing_in_view_is_said(ground, tmp_path):
 )
 def test_odd_ground_is_reported_too(heights, tmp_path):
     ground = Heightmap(heights, spacing=10.0)
-    made = report(ground, tmp_path, camera=small_camera(ground), edges="max")
+    made = report(ground, tmp_path, camera=small_camera(ground), edge_rule="max")
     assert made.files["html"].stat().st_size > 10_000
 
 
@@ -323,7 +321,7 @@ def test_bad_input_writes_nothing(ground, tmp_path):
     with pytest.raises(InputError, match="tile"):
         report(ground, folder, tile=64)
     with pytest.raises(InputError, match="edge rule"):
-        report(ground, folder, edges="mean")
+        report(ground, folder, edge_rule="mean")
     assert not folder.exists()
     folder.write_text("in the way")
     with pytest.raises(FileError, match="cannot make the folder"):
@@ -332,6 +330,6 @@ def test_bad_input_writes_nothing(ground, tmp_path):
 
 def test_comparison_uses_the_edge_rule(ground):
     terrain, camera = Terrain(ground), small_camera(ground)
-    lods = {"distance": DistanceLod(), "coplanarity": CoplanarityLod()}
-    low, high = (compare(terrain, camera, edges=rule, **lods) for rule in ("min", "max"))
-    assert high.coplanarity.triangles > low.coplanarity.triangles
+    lods = {"distance": DistanceLod(), "lod": CoplanarityLod()}
+    low, high = (compare_pair(terrain, camera, edge_rule=rule, **lods) for rule in ("min", "max"))
+    assert high.other.triangles > low.other.triangles

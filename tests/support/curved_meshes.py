@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from terrain_lod.files.meshes.loading import vertex_normals
 from terrain_lod.mesh.mesh import Mesh
+from terrain_lod.mesh.normals import vertex_normals
 
 
 def with_normals(vertices, triangles) -> Mesh:

@@ -28,7 +28,7 @@ def camera_over(ground: tl.Heightmap) -> tl.Camera:
 
 
 def factors(terrain: tl.Terrain, camera: tl.Camera, lod: tl.Lod, edges: str, cull: bool):
-    found = hull_on_device(terrain._tiles, lod, camera, edges=edges, cull=cull)
+    found = hull_on_device(terrain._tiles, lod, camera, edge_rule=edges, cull=cull)
     return found.edge.host(), found.inside.host()
 
 
@@ -47,7 +47,7 @@ def test_agrees_with_the_reference(lod: tl.Lod, edges: str, make) -> None:
         terrain.scene,
         np.subtract(camera.eye, terrain.origin),
         camera.planes(terrain.origin),
-        edges=edges,
+        edge_rule=edges,
         camera=camera,
     )
     # a dozen roundings of numbers up to 63
@@ -129,7 +129,7 @@ def test_nothing_in_view_is_culled_and_what_is_behind_is() -> None:
 
 def test_unknown_edge_rule() -> None:
     with pytest.raises(tl.InputError, match="min, max"):
-        tl.Terrain(rough()).mesh(lod=tl.UniformLod(3), edges="mean")
+        tl.Terrain(rough()).mesh(lod=tl.UniformLod(3), edge_rule="mean")
 
 
 @pytest.mark.parametrize(

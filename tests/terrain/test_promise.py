@@ -65,7 +65,7 @@ def test_what_is_chosen_holds_when_it_is_measured() -> None:
 @pytest.mark.parametrize("edges", ["min", "max", "edge"])
 def test_every_edge_rule_keeps_the_promise(edges: str) -> None:
     ground = GROUNDS["rough"]
-    mesh = tl.Terrain(ground).mesh(lod=tl.MaxErrorLod(2.0), edges=edges)
+    mesh = tl.Terrain(ground).mesh(lod=tl.MaxErrorLod(2.0), edge_rule=edges)
     assert tl.vertical_error(mesh, ground).maximum <= 2.0
     assert not tl.crack_report(mesh)
 

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 import terrain_lod as tl
 from support.grounds import holed, plane, rough
-from terrain_lod.mesh.surface import Surface
-from terrain_lod.reference.mesh import surface as queries_mesh
+from terrain_lod.mesh.queries import MeshQueries
+from terrain_lod.reference.mesh import queries as queries_mesh
 from terrain_lod.reference.terrain import queries as queries_ground
 
 # two roundings of UTM coordinates, over slopes of some hundred to one
@@ -72,7 +72,7 @@ def test_on_samples_both_are_the_samples(place: str) -> None:
     np.testing.assert_array_equal(terrain.height_at(points), ground.elevation.ravel())
     # of the mesh, the outline as well, wherever float32 puts it
     whole = rough(66, 50, **PLACES[place])
-    found = Surface(tl.Terrain(whole).mesh(lod=tl.UniformLod(15))).height_at(points)
+    found = MeshQueries(tl.Terrain(whole).mesh(lod=tl.UniformLod(15))).height_at(points)
     np.testing.assert_allclose(found, whole.elevation.ravel(), atol=1e-2)
 
 
@@ -150,7 +150,7 @@ def test_rays_against_the_ground_by_steps() -> None:
 def test_heights_and_rays_of_a_mesh(seed: int, place: str) -> None:
     ground = rough(52, 45, seed=seed, **PLACES[place])
     mesh = tl.Terrain(ground).mesh(lod=tl.MaxErrorLod(3.0))
-    surface = Surface(mesh)
+    surface = MeshQueries(mesh)
     origins, directions = rays_over(ground, 80, seed)
     # away from the outline, where a tolerance decides
     points = origins[np.arange(len(origins)) % 3 > 0, :2]
@@ -175,7 +175,7 @@ def test_no_ray_falls_between_triangles_or_cells() -> None:
     # straight at vertices, along edges and borders of cells: a crack of one bit would show
     ground = rough(61, 46, **PLACES["utm"])
     terrain = tl.Terrain(ground)
-    surface = Surface(terrain.mesh(lod=tl.UniformLod(4.7)))
+    surface = MeshQueries(terrain.mesh(lod=tl.UniformLod(4.7)))
     vertices = surface.mesh.vertices.astype(float) + surface.mesh.origin
     random = np.random.default_rng(1)
     eye = np.array([*ground.centre[:2], ground.height_range[1] + 5000.0])
@@ -197,7 +197,7 @@ def test_a_plane_is_hit_where_it_is() -> None:
     #   z = 0.5 per cell east; a ray from (10, -20, 100) straight down meets 5
     ground = plane(0.5, 0.0)
     terrain = tl.Terrain(ground)
-    surface = Surface(terrain.mesh(lod=tl.UniformLod(1)))
+    surface = MeshQueries(terrain.mesh(lod=tl.UniformLod(1)))
     for hits in (
         terrain.cast([10, -20, 100], [0, 0, -9]),
         surface.cast([10, -20, 100], [0, 0, -9]),
@@ -245,12 +245,12 @@ def test_triangles_of_all_sizes_that_cross_each_other(seed: int) -> None:
     origins = random.uniform(-150, 150, (500, 3)) + mesh.origin
     directions = random.normal(size=(500, 3))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
-    hits = Surface(mesh).cast(origins, directions)
+    hits = MeshQueries(mesh).cast(origins, directions)
     expected = queries_mesh.distances(mesh, origins, directions)
     np.testing.assert_allclose(hits.distance, expected, rtol=1e-9, atol=1e-6)
     points = origins[:, :2]
     np.testing.assert_allclose(
-        Surface(mesh).height_at(points), queries_mesh.heights(mesh, points), atol=1e-6
+        MeshQueries(mesh).height_at(points), queries_mesh.heights(mesh, points), atol=1e-6
     )
 
 
@@ -261,12 +261,12 @@ def test_any_mesh_can_be_asked() -> None:
         np.zeros((3, 3), np.float32),
         np.array([[0, 1, 2]], np.int32),
     )
-    hits = Surface(wall).cast([[1, 0.2, 0.2], [1, 0.9, 0.9]], [-1, 0, 0])
+    hits = MeshQueries(wall).cast([[1, 0.2, 0.2], [1, 0.9, 0.9]], [-1, 0, 0])
     np.testing.assert_array_equal(hits.distance, [1, np.nan])
     np.testing.assert_array_equal(hits.tile, [-1, -1])
     empty = tl.Mesh(wall.vertices, wall.normals, np.zeros((0, 3), np.int32))
-    assert not Surface(empty).cast([1, 0.2, 0.2], [-1, 0, 0]).hit.any()
-    assert np.isnan(Surface(empty).height_at([[0, 0]])).all()
+    assert not MeshQueries(empty).cast([1, 0.2, 0.2], [-1, 0, 0]).hit.any()
+    assert np.isnan(MeshQueries(empty).height_at([[0, 0]])).all()
 
 
 @pytest.mark.parametrize(
@@ -282,7 +282,7 @@ def test_any_mesh_can_be_asked() -> None:
 )
 def test_wrong_questions(ask, message: str) -> None:
     terrain = tl.Terrain(rough(31, 31))
-    for surface in (terrain, Surface(terrain.mesh(lod=tl.UniformLod(1)))):
+    for surface in (terrain, MeshQueries(terrain.mesh(lod=tl.UniformLod(1)))):
         with pytest.raises(tl.InputError, match=message):
             ask(surface)
     assert terrain.height_at(np.zeros((0, 2))).shape == (0,)

@@ -8,7 +8,6 @@ import pytest
 import terrain_lod as tl
 from support.cameras import cameras_over
 from support.grounds import holed, rough
-from terrain_lod.device.layout import FIXED_ONE
 
 ORIGIN = (500_000.0, 4_000_000.0)
 GROUNDS = {
@@ -26,27 +25,34 @@ LODS = [
 PARTITIONINGS = ["fractional_odd", "fractional_even", "integer", "pow2"]
 
 
-def assert_edges_are_bit_equal(mesh: tl.Mesh, partitioning: str) -> None:
+def assert_edges_are_bit_equal(mesh: tl.Mesh, ground: tl.Heightmap) -> None:
     """Assert that patches which share an edge have the same vertices on it, to the bit."""
     patches = mesh.patches
     rows, columns = patches.shape
     drawn = patches.drawn.reshape(rows, columns)
-    # the same factors give the same points, and u and v say which of them are on an edge
-    pattern = tl.tessellate(
-        "quad", patches.edge_factors, patches.inside_factors, partitioning=partitioning
-    )
+    dx, dy = ground.spacing
 
-    def on_edge(patch: int, axis: int, at: int) -> set[bytes]:
-        points = slice(*pattern.point_offsets[patch : patch + 2])
-        there = pattern.points[points, axis] == at
-        return {vertex.tobytes() for vertex in mesh.vertices[points][there]}
+    def on_edge(patch: int, axis: int, place: float) -> dict[bytes, bytes]:
+        """Return the vertices of a patch on a line of the grid: where along it, and the whole."""
+        vertices = mesh.vertices[slice(*patches.point_offsets[patch : patch + 2])]
+        there = vertices[vertices[:, axis] == np.float32(place)]
+        return {vertex[1 - axis].tobytes(): vertex.tobytes() for vertex in there}
+
+    def assert_same(one: dict[bytes, bytes], other: dict[bytes, bytes]) -> None:
+        # beside a hole, a patch has no more vertices than its triangles need
+        if ground.mask is None:
+            assert one
+            assert one.keys() == other.keys()
+        assert all(one[place] == other[place] for place in one.keys() & other.keys())
 
     for row, column in np.argwhere(drawn):
         patch = row * columns + column
         if column + 1 < columns and drawn[row, column + 1]:
-            assert on_edge(patch, 0, FIXED_ONE) == on_edge(patch + 1, 0, 0)
+            x = patches.grid.corner_columns[column + 1] * dx
+            assert_same(on_edge(patch, 0, x), on_edge(patch + 1, 0, x))
         if row + 1 < rows and drawn[row + 1, column]:
-            assert on_edge(patch, 1, FIXED_ONE) == on_edge(patch + columns, 1, 0)
+            y = -patches.grid.corner_rows[row + 1] * dy
+            assert_same(on_edge(patch, 1, y), on_edge(patch + columns, 1, y))
 
 
 @pytest.mark.parametrize("name", GROUNDS)
@@ -59,20 +65,38 @@ def test_no_cracks_in_two_hundred_cameras(name: str) -> None:
         mesh = terrains[index % 4].mesh(
             camera,
             lod=LODS[index % 5],
-            edges=("min", "max")[index % 2],
+            edge_rule=("min", "max")[index % 2],
             partitioning=partitioning,
         )
         # just above an even number Direct3D's fractional_even folds triangles by 1/65536: closed
         # all the same, edge by edge, but no longer a surface seen from above
         if partitioning == "fractional_even":
-            assert_edges_are_bit_equal(mesh, partitioning)
+            assert_edges_are_bit_equal(mesh, ground)
         else:
             report = tl.crack_report(mesh)
             assert not report, f"camera {index}: {report}"
         culled += mesh.patches.culled_count
         if index % 20 == 0:
-            assert_edges_are_bit_equal(mesh, partitioning)
+            assert_edges_are_bit_equal(mesh, ground)
     assert culled > 0
+
+
+def test_vertices_are_those_of_triangles() -> None:
+    ground = GROUNDS["holed"]
+    low, high = ground.height_range
+    terrain = tl.Terrain(ground)
+    for lod in (tl.UniformLod(4.7), tl.UniformLod(15), tl.MaxErrorLod(1.0)):
+        mesh = terrain.mesh(lod=lod)
+        np.testing.assert_array_equal(np.unique(mesh.triangles), np.arange(len(mesh.vertices)))
+        # so none stands at the height of a sample without data
+        heights = mesh.vertices[:, 2] + mesh.origin[2]
+        assert low <= heights.min() <= heights.max() <= high
+        assert mesh.patches.point_offsets[-1] == len(mesh.vertices)
+        # and each patch's triangles have corners among its own
+        starts = mesh.patches.point_offsets[mesh.triangle_patches]
+        ends = mesh.patches.point_offsets[mesh.triangle_patches + 1]
+        assert (mesh.triangles >= starts[:, None]).all()
+        assert (mesh.triangles < ends[:, None]).all()
 
 
 def test_patches_without_data_are_not_meshed() -> None:
@@ -141,3 +165,21 @@ def test_wrong_tile(tile: float) -> None:
 def test_unknown_partitioning_lists_what_exists() -> None:
     with pytest.raises(tl.InputError, match="fractional_odd"):
         tl.Terrain(rough()).mesh(lod=tl.UniformLod(3), partitioning="odd")
+
+
+@pytest.mark.parametrize("tile", [7, 15])
+@pytest.mark.parametrize("shape", [(61, 46), (100, 77)])
+def test_without_camera_and_level_of_detail_every_sample_is_a_vertex(tile: int, shape) -> None:
+    ground = rough(*shape, spacing=(30.0, 20.0), origin=(500_000, 4_000_000))
+    mesh = tl.Terrain(ground, tile=tile).mesh()
+    assert tl.vertical_error(mesh, ground).maximum == 0
+    row, column = np.indices(shape).reshape(2, -1)
+    places = {tuple(place) for place in mesh.vertices[:, :2].tolist()}
+    assert set(zip((column * 30.0).tolist(), (row * -20.0).tolist(), strict=True)) <= places
+    if tile == 15 and shape == (61, 46):  # in whole tiles: and nothing else
+        assert len(mesh.triangles) == 2 * 60 * 45
+
+
+def test_a_level_of_detail_that_needs_a_camera_says_so() -> None:
+    with pytest.raises(tl.InputError, match="ScreenErrorLod needs a camera, got none"):
+        tl.Terrain(rough()).mesh(lod=tl.ScreenErrorLod())

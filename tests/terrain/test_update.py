@@ -138,3 +138,40 @@ def test_a_wrong_update_is_one_clear_line_and_changes_nothing(
     assert terrain.ground is ground
     for name, values in everything(terrain).items():
         np.testing.assert_array_equal(values, before[name])
+
+
+def test_an_update_that_the_device_has_no_room_for_changes_nothing() -> None:
+    device = tl.Device(tl.Device.open().queue.device)  # one of the test's own, to be filled
+    terrain = tl.Terrain(rough(130, 110), device=device)
+    lod = tl.MaxErrorLod(1.0)
+    before, ground, mesh = everything(terrain), terrain.ground, terrain.mesh(lod=lod)
+    part = slice(40, 60), slice(35, 70)
+    heights = np.full((20, 35), np.nan)  # the first holes: more arrays are new
+    refused = []
+    for spare in range(0, 2**20, 2**9):  # fails at the first array, at the second ...
+        hog = hogged(device, spare)
+        try:
+            terrain.update(*part, heights)
+            break
+        except tl.DeviceMemoryError as error:
+            refused.append(str(error))
+        finally:
+            hog.clear()
+        assert terrain.ground is ground
+        for name, values in everything(terrain).items():
+            np.testing.assert_array_equal(values, before[name])
+        again = terrain.mesh(lod=lod)
+        np.testing.assert_array_equal(again.vertices, mesh.vertices)
+    # copies of what would be overwritten, holes, and control points when heights were new already
+    for shape in ("(20, 110)", "(18, 8, 8)", "(130, 110)", "(10, 10, 4)"):
+        assert any(f"array of {shape}" in line for line in refused), shape
+    assert_as_made_anew(terrain)
+    assert terrain.ground.mask.sum() == heights.size
+
+
+def hogged(device: tl.Device, spare: int) -> list[object]:
+    """Allocate all of a device's memory but `spare` bytes."""
+    arrays = []
+    while (left := device.info.memory - device.allocated - spare) > 0:
+        arrays.append(device.empty(min(left, device.info.largest_buffer), np.uint8))
+    return arrays

@@ -63,7 +63,7 @@ def test_both_sides_of_an_edge_find_the_same_bits(edges: str) -> None:
     terrain = tl.Terrain(ground)
     lod = tl.Weighted(tl.DistanceLod(), horizon=3.0, silhouette=2.0)
     for camera in cameras_over(ground, 5):
-        mesh = terrain.mesh(camera, lod=lod, edges=edges, cull=False)
+        mesh = terrain.mesh(camera, lod=lod, edge_rule=edges, cull=False)
         edge = mesh.patches.edge_factors.reshape(*terrain.grid.shape, 4)
         west, north, east, south = np.moveaxis(edge, -1, 0)
         np.testing.assert_array_equal(east[:, :-1], west[:, 1:])
@@ -122,7 +122,7 @@ def test_weights_of_one_change_nothing() -> None:
     [
         (lambda: tl.Weighted(tl.DistanceLod(), horizon=0.5), "horizon >= 1, got 0.5"),
         (lambda: tl.Weighted(tl.DistanceLod(), silhouette=float("nan")), "finite silhouette"),
-        (lambda: tl.Weighted("distance"), "level of detail to weigh, got 'distance'"),
+        (lambda: tl.Weighted("distance"), "expected a level of detail, such as .*, got 'distance'"),
         (lambda: tl.Terrain(rough()).mesh(lod=tl.Weighted(tl.UniformLod(3))), "needs a camera"),
     ],
 )

@@ -14,11 +14,12 @@ import terrain_lod as tl
 from support.curved_meshes import cone, cube, torus
 from support.viewer_hands import benchmark, drag, press
 from terrain_lod.cli.app import REFUSED, run
+from terrain_lod.curved.patch_factors import EDGE_FACTORS
 from terrain_lod.drawing.graphics import graphics_problem
 from terrain_lod.errors import InputError
 from terrain_lod.viewer.controls import Controls
 from terrain_lod.viewer.mesh_scene import BezierScene, CurvedScene
-from terrain_lod.viewer.mesh_settings import LODS, MODES
+from terrain_lod.viewer.mesh_settings import MODES
 from terrain_lod.viewer.model import Model
 from terrain_lod.viewer.rig import Rig, triangle_seen
 from terrain_lod.viewer.scene import Request
@@ -39,7 +40,7 @@ def ring():
 
 @pytest.fixture(scope="module")
 def pot():
-    return BezierScene(tl.load_bpt(POT))
+    return BezierScene(tl.curved.load_bpt(POT))
 
 
 def a_request(scene, **settings):
@@ -63,8 +64,8 @@ def a_request(scene, **settings):
         ({"normals": "linear"}, {"factor": 5.0, "normals": "linear"}),
         ({"tessellated": False}, {"factor": 1.0}),
         ({"back_faces": False}, {"factor": 5.0, "back_faces": 0.0}),
-        ({"lod": "length"}, {"lod": tl.LengthFactor(8.0, 1.0, 15.0)}),
-        ({"lod": "silhouette", "cosine": 0.5}, {"lod": tl.SilhouetteFactor(0.5, 1.0, 15.0)}),
+        ({"lod": "length"}, {"lod": tl.curved.LengthFactor(8.0)}),
+        ({"lod": "silhouette", "cosine": 0.5}, {"lod": tl.curved.SilhouetteFactor(0.5, 1.0, 15.0)}),
     ],
 )
 def test_the_mesh_is_that_of_pn_triangles(settings, options):
@@ -79,12 +80,12 @@ def test_the_mesh_is_that_of_pn_triangles(settings, options):
 
 def test_the_patches_are_those_of_bezier(pot):
     frame = pot.frame(a_request(pot, factor=9.0))
-    mesh = tl.bezier(POT, factor=9.0)
+    mesh = tl.curved.bezier(POT, factor=9.0)
     assert (frame.mesh.vertices == mesh.vertices).all()
     assert len(pot.frame(a_request(pot, tessellated=False)).mesh.triangles) == 2 * len(pot.nets)
 
 
-@pytest.mark.parametrize("lod", LODS)
+@pytest.mark.parametrize("lod", EDGE_FACTORS)
 @pytest.mark.parametrize("mode", MODES)
 def test_every_mode_paints_every_triangle_of_every_formula(ring, mode, lod):
     frame = ring.frame(a_request(ring, mode=mode, lod=lod))
@@ -129,7 +130,7 @@ def test_a_mesh_whose_y_points_up_is_turned():
     assert ([x, -z, y] == turned.vertices.T).all()
     x, y, z = mesh.normals.T
     assert ([x, -z, y] == turned.normals.T).all()
-    nets = tl.load_bpt(POT)
+    nets = tl.curved.load_bpt(POT)
     assert (BezierScene(nets, y_up=True).nets[..., 2] == nets[..., 1]).all()
 
 
@@ -144,7 +145,7 @@ def test_what_a_pixel_shows_is_what_a_ray_meets(ring):
     pixels = np.random.default_rng(1).uniform((0, 0), np.array(SIZE) - 1, (300, 2)).round()
     shares = (2 * pixels + 1) / SIZE - 1
     rays = forward + shares[:, :1] * across * right + shares[:, 1:] * up * upward
-    hits = tl.Surface(frame.mesh).cast(camera.eye, rays)
+    hits = tl.MeshQueries(frame.mesh).cast(camera.eye, rays)
     found = 0
     for pixel, hit, triangle, position in zip(
         pixels, hits.hit, hits.triangle, hits.position, strict=True
@@ -211,7 +212,7 @@ def test_the_factor_slider_changes_the_triangles(controls):
         benchmark().slide(controls, "factor", share)
         counts.append(len(window.settle().mesh.triangles))
     assert counts[0] < counts[1] < counts[2]
-    assert window.settings.factor == pytest.approx(64.0)
+    assert window.settings.value("factor") == pytest.approx(64.0)
     patches = len(window.frame.edge_factors)
     assert counts[0] in (patches, 2 * patches)
 

@@ -19,14 +19,18 @@ from support.grounds import holed, plane, rough
 from terrain_lod import Camera, Heightmap, default_camera
 from terrain_lod.cli.app import REFUSED
 from terrain_lod.errors import FileError, GraphicsError
+from terrain_lod.terrain.lods import LODS
 from terrain_lod.viewer.engine import Engine
 from terrain_lod.viewer.model import Model
 from terrain_lod.viewer.rig import Rig, ground_seen, height_at
 from terrain_lod.viewer.scene import Request
 from terrain_lod.viewer.stage import frustum
 from terrain_lod.viewer.terrain_scene import TerrainScene
-from terrain_lod.viewer.terrain_settings import LODS, MODES
+from terrain_lod.viewer.terrain_settings import MODES
 from terrain_lod.viewer.view import require_display
+
+# the arrays here do not say their spacing, which is then 1
+pytestmark = pytest.mark.filterwarnings("ignore:.*how far apart its samples are")
 
 ORIGIN = (500_000.0, 4_000_000.0)
 
@@ -177,7 +181,7 @@ def test_sun_lights_the_slopes_that_face_it():
 @pytest.mark.parametrize(("samples", "tile"), [(2048, 7), (2049, 15)])
 def test_large_ground_has_large_tiles(samples, tile):
     settings = TerrainScene(Heightmap(np.zeros((samples, samples), np.float32))).settings
-    assert (settings.tile, settings.factor, settings.maximum) == (tile, tile, tile)
+    assert [settings.value(name) for name in ("tile", "factor", "maximum")] == [tile] * 3
 
 
 def test_error_is_measured_where_the_mesh_does_not_bring_it(scene):

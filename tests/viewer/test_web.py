@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 import socket
-import subprocess
 import sys
 import time
+from contextlib import contextmanager
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from io import BytesIO
 from pathlib import Path
+from threading import Thread
 
 import numpy as np
 import pytest
 from PIL import Image
 
+from support.viewer_page import served, until
 from terrain_lod.cli.app import REFUSED, run
 from terrain_lod.drawing.graphics import graphics_problem
 
@@ -27,41 +31,11 @@ MISSING = graphics_problem() or (
 )
 
 
-def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
-
-
-def until(condition, seconds=60.0):
-    """Wait for something, and return it."""
-    end = time.monotonic() + seconds
-    while not (found := condition()):
-        assert time.monotonic() < end, "nothing came of it in time"
-        time.sleep(0.2)
-    return found
-
-
 @pytest.fixture(params=["volcano"])
 def address(request):
     pytest.importorskip("trame_pyvista", reason="no web page tested: trame-pyvista is missing")
-    port = free_port()
-    command = [sys.executable, "-m", "terrain_lod", "view", request.param, "--web"]
-    with subprocess.Popen(
-        [*command, "--port", str(port)], stderr=subprocess.PIPE, text=True
-    ) as server:
-        try:
-            until(lambda: server.poll() is not None or listens(port))
-            yield f"http://127.0.0.1:{port}/"
-        finally:
-            server.terminate()
-            said = server.communicate(timeout=60)[1]
-    assert "Traceback" not in said, said
-
-
-def listens(port):
-    with socket.socket() as probe:
-        return probe.connect_ex(("127.0.0.1", port)) == 0
+    with served(request.param) as page:
+        yield page.address
 
 
 @pytest.fixture
@@ -77,6 +51,7 @@ def browser(tmp_path):
         "--disable-dev-shm-usage",
         "--window-size=1100,760",
         f"--user-data-dir={tmp_path}",
+        "--host-resolver-rules=MAP evil.example 127.0.0.1",
     ):
         options.add_argument(argument)
     driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
@@ -104,7 +79,7 @@ def test_page_loads_slider_moves_triangles_change_and_terrain_is_seen(address, b
     # the page begins with a view of no size to speak of
     first = until(lambda: count() > 20_000 and settled())
     assert browser.title == "terrain-lod"
-    assert "error, pixels: 1" in browser.find_element(By.TAG_NAME, "body").text
+    assert "pixels: 1" in browser.find_element(By.TAG_NAME, "body").text
 
     view = until(lambda: browser.find_elements(By.CSS_SELECTOR, ".v-main img"))[0]
     seen = np.asarray(Image.open(BytesIO(view.screenshot_as_png)).convert("RGB")).astype(int)
@@ -119,7 +94,7 @@ def test_page_loads_slider_moves_triangles_change_and_terrain_is_seen(address, b
     thumb.send_keys(Keys.ARROW_RIGHT * 100)
     second = until(lambda: count() < 0.7 * first and settled())
     text = browser.find_element(By.TAG_NAME, "body").text
-    assert "error, pixels: 1\n" not in text
+    assert "pixels: 1\n" not in text
     assert f"{second:,} triangles" in text
 
     # a drag in the picture turns the camera
@@ -127,6 +102,67 @@ def test_page_loads_slider_moves_triangles_change_and_terrain_is_seen(address, b
         120, 30
     ).release().perform()
     until(lambda: settled() not in (False, 0, second))
+
+
+# tries what a page may
+FOREIGN = """<title>trying</title><script>
+const viewer = "127.0.0.1:PORT", said = {};
+const tried = [
+  new Promise(done => { const socket = new WebSocket("ws://" + viewer + "/ws");
+    socket.onopen = () => done(said.socket = "in");
+    socket.onerror = () => done(said.socket = "out"); }),
+  fetch("http://" + viewer + "/", {credentials: "include"})
+    .then(answer => answer.text()).then(text => said.fetch = text, () => said.fetch = "out")];
+Promise.all(tried).then(() => document.title = JSON.stringify(said));
+</script>"""
+
+
+@contextmanager
+def foreign_page(viewer_port):
+    """Serve a page that tries to get into the viewer; yield its port."""
+
+    class Handler(BaseHTTPRequestHandler):
+        def do_GET(self):
+            self.send_response(200)
+            self.send_header("Content-Type", "text/html")
+            self.end_headers()
+            self.wfile.write(FOREIGN.replace("PORT", str(viewer_port)).encode())
+
+        def log_message(self, *_):
+            pass
+
+    with ThreadingHTTPServer(("127.0.0.1", 0), Handler) as server:
+        Thread(target=server.serve_forever, daemon=True).start()
+        yield server.server_address[1]
+        server.shutdown()
+
+
+@pytest.mark.skipif(MISSING is not None, reason=f"no web page tested: {MISSING}")
+def test_another_page_of_the_same_browser_stays_out(address, browser):
+    from selenium.webdriver.common.by import By
+
+    def shown():
+        return browser.find_elements(By.ID, "triangle-count")
+
+    browser.get(address)
+    until(shown)
+    root, token = address.split("?token=")
+    assert token not in browser.current_url
+    browser.refresh()  # by its cookie
+    until(shown)
+    browser.get(address)
+    until(shown)
+    port = int(root.split(":")[2].strip("/"))
+    with foreign_page(port) as elsewhere:
+        for name in ("127.0.0.1", "evil.example"):
+            browser.get(f"http://{name}:{elsewhere}/")
+            said = json.loads(until(lambda: browser.title.startswith("{") and browser.title))
+            assert said == {"socket": "out", "fetch": "out"}
+    # a foreign name that was made to point here
+    browser.get(f"http://evil.example:{port}/?token={token}")
+    assert "name of the machine" in browser.find_element(By.TAG_NAME, "body").text
+    browser.get(address)
+    until(shown)
 
 
 @pytest.mark.skipif(MISSING is not None, reason=f"no web page tested: {MISSING}")

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import gc
 import math
+import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,10 +18,12 @@ from terrain_lod import default_camera
 from terrain_lod.cli.app import REFUSED, run
 from terrain_lod.drawing.graphics import graphics_problem
 from terrain_lod.errors import FileError, GraphicsError, InputError
+from terrain_lod.terrain.lod_promises import BudgetLod
+from terrain_lod.terrain.lods import LODS
 from terrain_lod.viewer.controls import Controls
 from terrain_lod.viewer.model import Model
 from terrain_lod.viewer.terrain_scene import TerrainScene
-from terrain_lod.viewer.terrain_settings import LODS, MODES
+from terrain_lod.viewer.terrain_settings import MODES
 from terrain_lod.viewer.view import look
 from terrain_lod.viewer.window import Window
 
@@ -116,8 +120,8 @@ def test_frozen_detail_stays_and_its_frustum_is_drawn(controls):
 def test_the_last_good_mesh_stays_when_the_next_cannot_be_made(window):
     frame = window.frame
     window.change("lod", "budget")
-    window.settings = window.settings.changed("lod", "budget")
-    object.__setattr__(window.settings, "triangles", 1)
+    formulas = {**window.settings.formulas, "budget": BudgetLod(1)}
+    window.settings = replace(window.settings, lod="budget", formulas=formulas)
     window.ask()
     with pytest.raises(InputError, match="budget of at least"):
         window.settle()
@@ -170,7 +174,7 @@ def test_flying_looks_around_and_moves_along_the_view(controls):
 
 @pytest.mark.parametrize(
     ("key", "name"),
-    [("m", "mode"), ("l", "lod"), ("p", "partitioning"), ("e", "edges")],
+    [("m", "mode"), ("l", "lod"), ("p", "partitioning"), ("e", "edge_rule")],
 )
 def test_keys_go_to_the_next_choice_and_its_mesh_is_shown(controls, key, name):
     window = controls.window
@@ -211,14 +215,14 @@ def test_sliders_change_settings_and_follow_them(controls):
     window = controls.window
     counts = [len(window.frame.mesh.triangles)]
     benchmark().slide(controls, "pixels", 1.0)
-    assert window.settings.pixels == pytest.approx(32.0)
+    assert window.settings.value("pixels") == pytest.approx(32.0)
     counts.append(len(window.settle().mesh.triangles))
     assert counts[1] < counts[0]
     window.change("pixels", 2.0)
     controls.pump()
     shape = controls.widgets["pixels"].GetRepresentation()
     assert shape.GetValue() == pytest.approx(math.log10(2.0))
-    assert shape.GetTitleText() == "error, pixels: 2"
+    assert shape.GetTitleText() == "pixels: 2"
 
 
 def test_only_the_sliders_of_the_level_of_detail_are_there(controls):
@@ -310,6 +314,37 @@ def test_ground_is_read_again_and_a_lost_file_leaves_the_last_good_mesh(tmp_path
         window.close()
 
 
+def test_a_recording_that_cannot_be_written_is_over(window, tmp_path):
+    folder = tmp_path / "pictures"
+    controls = Controls(window, pictures=folder)
+
+    def record(pictures):
+        folder.mkdir()
+        press(controls, "v")
+        assert controls.movie is not None
+        for number in range(pictures):
+            window.note = f"{number}"
+            window.redraw()
+            controls.pump()
+
+    record(pictures=3)
+    shutil.rmtree(folder)
+    press(controls, "v")
+    assert "cannot write" in window.note
+    assert controls.movie is None
+    # it ends by itself where a picture cannot be written
+    record(pictures=0)
+    shutil.rmtree(folder)
+    window.redraw()
+    controls.pump()
+    assert "the recording ends" in window.note
+    assert controls.movie is None
+    record(pictures=3)
+    press(controls, "v")
+    with Image.open(folder / "terrain-lod-001.gif") as movie:
+        assert movie.n_frames == 3
+
+
 def test_off_screen_writes_a_picture_and_a_flight(model, tmp_path):
     lines = look(
         model,
@@ -357,6 +392,30 @@ def test_vtk_is_tidied_up_on_its_own_thread(model):
     window = Window(model, default_camera(model.scene.ground, size=SIZE), off_screen=True)
     assert not gc.isenabled()
     window.close()
+    assert gc.isenabled()
+
+
+def test_the_collector_waits_for_the_last_of_two_windows(model):
+    camera = default_camera(model.scene.ground, size=SIZE)
+    first, second = (Window(model, camera, off_screen=True) for _ in range(2))
+    first.close()
+    first.close()
+    assert not gc.isenabled()
+    second.close()
+    assert gc.isenabled()
+    gc.disable()
+    try:
+        Window(model, camera, off_screen=True).close()
+        assert not gc.isenabled()  # as it was
+    finally:
+        gc.enable()
+
+
+def test_a_window_that_does_not_open_leaves_the_collector_on(model):
+    with pytest.raises(AttributeError):
+        Window(model, object(), off_screen=True)
+    with pytest.raises(AttributeError):
+        Window(object(), default_camera(model.scene.ground, size=SIZE), off_screen=True)
     assert gc.isenabled()
 
 

@@ -28,11 +28,10 @@ from ...mesh.mesh import Mesh
 from ...mesh.soundness import require_sound
 from ...paths import replacing
 from .glb import write_glb
+from .raw import ORIGIN_MARK
 
 _log = logging.getLogger(__name__)
 
-# what the comments that record an origin begin with
-ORIGIN_MARK: Final = "terrain_lod origin"
 # bytes that an STL header has
 _STL_HEADER: Final = 80
 
@@ -40,8 +39,9 @@ _STL_HEADER: Final = 80
 def save(mesh: Mesh, path: str | Path) -> Path:
     """Write a mesh to a file; the ending chooses the format.
 
-    The file appears whole or not at all: it is written under a temporary name beside `path` and
-    renamed.
+    The file appears whole or not at all: it is written under a temporary name beside `path`, one of
+    this writer alone, and renamed. Of several that save to one name at once, the last is what
+    stays.
 
     Parameters
     ----------

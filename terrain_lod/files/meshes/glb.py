@@ -1,4 +1,4 @@
-"""Binary glTF 2.0, written and read back: one node, one mesh, one buffer.
+"""Binary glTF 2.0, written: one node, one mesh, one buffer; read by ``gltf.py``.
 
 ::
 
@@ -20,16 +20,17 @@ from __future__ import annotations
 import json
 import struct
 from pathlib import Path
-from typing import Any, BinaryIO, Final
+from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
 
-from ...errors import FileError, InputError
+from ...errors import InputError
 from ...mesh.mesh import Mesh
 
+# what our files say that they were written by
+GENERATOR: Final = "terrain_lod"
 _MAGIC: Final = b"glTF"
-_GENERATOR: Final = "terrain_lod"
 _HEADER: Final = struct.Struct("<4sII")
 _CHUNK: Final = struct.Struct("<I4s")
 _LARGEST: Final = 2**32 - 1
@@ -37,8 +38,6 @@ _LARGEST: Final = 2**32 - 1
 # numbers of the specification
 _FLOAT, _UNSIGNED_INT = 5126, 5125
 _VERTEX_DATA, _INDEX_DATA = 34962, 34963
-# dtype and width of each view
-_VIEWS: Final = (("<f4", 3), ("<f4", 3), ("<i4", 3), ("<f4", 2))
 # -90 degrees about x, as a quaternion x, y, z, w
 _Z_UP_TO_Y_UP: Final = [-(0.5**0.5), 0.0, 0.0, 0.5**0.5]
 
@@ -112,7 +111,7 @@ def _document(mesh: Mesh, views: list[npt.NDArray[Any]]) -> dict[str, Any]:
     primitive = {"attributes": attributes, "indices": 2, "material": 0}
     matt = {"baseColorFactor": [0.8, 0.8, 0.8, 1.0], "metallicFactor": 0.0, "roughnessFactor": 1.0}
     return {
-        "asset": {"version": "2.0", "generator": _GENERATOR},
+        "asset": {"version": "2.0", "generator": GENERATOR},
         "scene": 0,
         "scenes": [{"nodes": [0]}],
         "nodes": [node],
@@ -155,50 +154,3 @@ def _buffer_views(views: list[npt.NDArray[Any]]) -> list[dict[str, int]]:
         {"buffer": 0, "byteOffset": offset, "byteLength": view.nbytes, "target": target}
         for view, offset, target in zip(views, offsets, targets, strict=False)
     ]
-
-
-def read_glb(path: Path) -> Mesh | None:
-    """Return the mesh of a file that :func:`write_glb` wrote; None for another's.
-
-    Raises
-    ------
-    FileError
-        If the file is no binary glTF 2.0, or shorter than it says.
-    """
-    with path.open("rb") as file:
-        header = file.read(_HEADER.size)
-        if len(header) < _HEADER.size or header[:4] != _MAGIC:
-            raise FileError(f"expected binary glTF, got something else in {path}")
-        _, version, total = _HEADER.unpack(header)
-        length = path.stat().st_size
-        if version != 2 or length < total:
-            raise FileError(
-                f"expected binary glTF 2 of {total} bytes, got version {version} "
-                f"and {length} bytes in {path}: is it truncated?"
-            )
-        try:
-            document = json.loads(_read_chunk(file, b"JSON"))
-            if document["asset"].get("generator") != _GENERATOR:
-                return None
-            return _mesh_of(document, _read_chunk(file, b"BIN\0"))
-        except (KeyError, IndexError, TypeError, ValueError) as error:
-            raise FileError(f"expected binary glTF, got a damaged {path}: {error}") from None
-
-
-def _read_chunk(file: BinaryIO, kind: bytes) -> bytes:
-    length, found = _CHUNK.unpack(file.read(_CHUNK.size).ljust(_CHUNK.size, b"\0"))
-    if found != kind:
-        raise ValueError(f"chunk {found!r} where {kind!r} belongs")
-    return file.read(length)
-
-
-def _mesh_of(document: dict[str, Any], buffer: bytes) -> Mesh:
-    vertices, normals, corners, *textures = (
-        np.frombuffer(buffer, dtype, view["byteLength"] // 4, view["byteOffset"]).reshape(-1, width)
-        for view, (dtype, width) in zip(document["bufferViews"], _VIEWS, strict=False)
-    )
-    extras = document["nodes"][0]["extras"]
-    return Mesh(
-        vertices, normals, corners, np.array(extras["origin"]), extras.get("crs"),
-        textures=textures_upside_down(textures[0]) if textures else None,
-    )  # fmt: skip

@@ -1,12 +1,9 @@
-"""Meshes in: triangles from any surface file that pyvista or meshio reads."""
+"""Meshes in: triangles from any surface file, whatever polygons it has."""
 
 from __future__ import annotations
 
 import logging
-import re
-import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
+import os
 from pathlib import Path
 from typing import Any, Final
 
@@ -15,19 +12,14 @@ import numpy.typing as npt
 
 from ...errors import FileError, InputError
 from ...mesh.mesh import Mesh
+from ...mesh.normals import vertex_normals
 from ...mesh.soundness import require_sound
-from .export import ORIGIN_MARK
-from .formats import is_abaqus, read_with_meshio
-from .glb import read_glb, textures_upside_down
-from .ply import require_whole_ply
+from .polygons import cut_polygons
+from .raw import Floats, Integers, RawMesh, require_corners
+from .readers import read
 
 _log = logging.getLogger(__name__)
 
-_ORIGIN: Final = re.compile(
-    rb"%b (\S+) (\S+) ([^\s\0]+)(?: crs ([^\n\r\0]+))?" % ORIGIN_MARK.encode()
-)
-# how far from either end of a file the comment with the origin is looked for, in bytes
-_MARGIN: Final = 4096
 # a normal may be this far off unit length
 _NEARLY_UNIT: Final = 1e-2
 
@@ -35,15 +27,22 @@ Vectors = npt.NDArray[np.floating[Any]]
 
 
 def load_mesh(path: str | Path) -> Mesh:
-    """Read a mesh from a file: .glb, .gltf, .obj, .ply, .stl, .vtk, .vtp, .vtu and more.
+    """Read a mesh from a file: .glb, .gltf, .obj, .off, .ply, .stl, .vtp, .vtk, .vtu and more.
 
-    With the extra ``meshes`` also what meshio reads: .msh, .inp, .mesh, .off, .nas and more.
-    Polygons are cut into triangles, volumes reduced to their surface, lines and points dropped,
-    missing normals computed as the mean of the faces around, weighted by area; each is logged.
-    Texture coordinates come along where each vertex has a pair. An origin and CRS that
+    The first six are read by readers that look before they leap; all others by VTK, with the extra
+    ``meshes`` also by meshio (.msh, .inp, .mesh, .nas and more), in a child process, so that a
+    damaged file cannot take this one along: that takes a second more. glTF compressed with Draco
+    needs the extra ``compress``; meshopt and quantized attributes are read as they are.
+
+    All groups, nodes and blocks become one mesh, each where it stands. Polygons are cut into
+    triangles, concave ones too, volumes reduced to their surface. Left out are lines, points, faces
+    of fewer than three corners and vertices of no triangle: one warning counts them. Missing
+    normals are computed as the mean of the faces around, weighted by area. Texture coordinates come
+    along where each vertex has a pair. An origin and CRS that
     :func:`~terrain_lod.files.meshes.export.save` recorded are restored.
-    Coordinates far from zero in 64 bits get an origin of whole numbers near their middle, so that
-    float32 loses the least. glTF of others is turned from y up to z up.
+    Coordinates far from zero in 64 bits, or in text, get an origin of whole numbers near their
+    middle, so that float32 loses the least. glTF of others is turned from y up to z up; nodes that
+    mirror keep their outside out.
 
     Parameters
     ----------
@@ -58,183 +57,117 @@ def load_mesh(path: str | Path) -> Mesh:
     FileError
         If there is no such file, or it is damaged or truncated.
     InputError
-        If there is no reader for the ending, if there is no triangle in the file, if a position is
-        not finite or a corner is no vertex.
+        If there is no reader for the ending, if there is no triangle in the file, if a position or
+        the origin is not finite or passes float32, or a corner is no vertex.
     MissingExtraError
-        If only meshio might read the ending, and is not installed.
+        If a package is needed to read it that is not installed; the message names the extra.
     """
     path = Path(path)
-    if not path.is_file():
+    if not os.path.isfile(path):  # as Path.is_file, but a name may be too long
         raise FileError(f"expected a mesh file, got none at {path}")
-    suffix = path.suffix.lower()
-    mesh = read_glb(path) if suffix == ".glb" else None
-    if mesh is not None:
-        require_sound(mesh.vertices, mesh.triangles, f"a mesh in {path.name}")
-        return mesh
-    if suffix == ".ply":
-        require_whole_ply(path)
-    surface = _triangles_of(_read(path), path)
-    points, triangles = np.asarray(surface.points), surface.regular_faces.astype(np.int32)
-    if not len(triangles):
-        raise InputError(f"expected triangles in {path}, got none")
-    require_sound(points, triangles, f"a mesh in {path.name}")
-    normals = _normals_of(surface, points, triangles, path)
-    textures = _textures_of(surface)
-    if suffix in (".glb", ".gltf"):
-        points, normals = _to_z_up(points), _to_z_up(normals)
-        textures = None if textures is None else textures_upside_down(textures)
-    origin, crs = _recorded_origin(surface, path)
-    if origin is None:
-        origin = _origin_near(points)
-        points = points - origin
+    raw = read(path)
+    for note in raw.notes:
+        _log.info("%s: %s", path, note)
+    corners, sizes, used = _polygons_of(raw, path)
+    points, origin = _placed(raw, used, path)
+    triangles, crossing = cut_polygons(points, corners, sizes)
+    if len(triangles) > len(sizes):
+        _log.info("%s: polygons cut into %d triangles", path, len(triangles))
+    if crossing:
+        _log.warning("%s: %d polygons cross themselves: their triangles overlap", path, crossing)
+    corners32 = triangles.astype(np.int32)
     return Mesh(
-        points.astype(np.float32), normals.astype(np.float32), triangles, origin, crs,
-        textures=textures,
-    )  # fmt: skip
-
-
-@contextmanager
-def _vtk_complaints() -> Iterator[list[str]]:
-    """Collect what VTK complains about inside the block, instead of on the terminal."""
-    import pyvista
-    from vtkmodules.vtkCommonCore import vtkLogger
-
-    complaints: list[str] = []
-    verbosity = vtkLogger.GetCurrentVerbosityCutoff()
-    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
-    try:
-        with pyvista.VtkErrorCatcher(send_to_logging=False) as catcher, warnings.catch_warnings():
-            # VTK's own readers give arrays that pyvista calls invalid
-            warnings.simplefilter("ignore")
-            yield complaints
-    finally:
-        vtkLogger.SetStderrVerbosity(verbosity)
-        complaints += [event.alert for event in catcher.error_events]
-
-
-def _read(path: Path) -> Any:
-    """Return the pyvista object in a file."""
-    import pyvista
-
-    if is_abaqus(path):
-        return read_with_meshio(path)
-    with _vtk_complaints() as complaints:
-        try:
-            reader = pyvista.get_reader(path)
-        except ValueError:
-            return read_with_meshio(path)
-        # not reader.read(): it prints the complaints
-        reader.reader.Update()
-        data = pyvista.wrap(reader.reader.GetOutputDataObject(0))
-    if complaints or data is None:
-        reason = complaints[0].splitlines()[0] if complaints else "no output"
-        raise FileError(f"cannot read {path}: {reason}")
-    return data
-
-
-def _triangles_of(data: Any, path: Path) -> Any:
-    """Return pyvista.PolyData that has triangles only."""
-    import pyvista
-
-    if isinstance(data, pyvista.MultiBlock):
-        parts = [_triangles_of(block, path) for block in data if block is not None]
-        return pyvista.PolyData().append_polydata(*parts)
-    if not isinstance(data, pyvista.PolyData):
-        _log.info("%s: taking the surface of %s", path, type(data).__name__)
-        data = data.extract_surface(algorithm="dataset_surface")
-    dropped = data.n_lines + data.n_verts
-    if dropped:
-        _log.info("%s: dropping %d lines and points", path, dropped)
-    if data.n_cells > dropped and not data.is_all_triangles:
-        # VTK follows any index: look at them first
-        corners = pyvista.convert_array(data.GetPolys().GetConnectivityArray())
-        require_sound(data.points, corners.reshape(-1, 1), f"a mesh in {path.name}")
-        data = data.triangulate()
-        _log.info("%s: polygons cut into %d triangles", path, data.n_cells)
-    return data
-
-
-def _normals_of(
-    surface: Any, points: Vectors, triangles: npt.NDArray[np.int32], path: Path
-) -> Vectors:
-    """Return the file's own normals where they are usable, else the faces'."""
-    own = surface.point_data.active_normals
-    if own is None:
-        own = surface.point_data.get("NORMAL")
-    if own is not None and own.shape == points.shape:
-        lengths = np.linalg.norm(own, axis=1)
-        if (abs(lengths - 1) < _NEARLY_UNIT).all():
-            return np.asarray(own / lengths[:, None])
-    _log.info("%s: normals computed from the triangles", path)
-    return vertex_normals(points, triangles)
-
-
-def _textures_of(surface: Any) -> npt.NDArray[np.float32] | None:
-    """Return the texture coordinates of a file where they are usable."""
-    own = surface.point_data.active_texture_coordinates
-    if own is None:
-        own = surface.point_data.get("TEXCOORD_0")
-    if own is None or own.shape != (surface.n_points, 2) or not np.isfinite(own).all():
-        return None
-    return np.array(own, np.float32)
-
-
-def vertex_normals(points: Vectors, triangles: npt.NDArray[np.int32]) -> npt.NDArray[np.float64]:
-    """Return the mean normal of the triangles around each vertex, weighted by area.
-
-    Parameters
-    ----------
-    points : (V, 3) array of float
-    triangles : (T, 3) int32
-
-    Returns
-    -------
-    (V, 3) float64
-        Unit length; (0, 0, 1) where no triangle with an area is.
-    """
-    a, b, c = (points[triangles[:, corner]].astype(np.float64) for corner in range(3))
-    # twice the area, along the face's normal
-    weighted = np.cross(b - a, c - a)
-    corners = triangles.ravel()
-    normals = np.stack(
-        [
-            np.bincount(corners, np.repeat(weighted[:, axis], 3), minlength=len(points))
-            for axis in range(3)
-        ],
-        axis=1,
+        points.astype(np.float32),
+        _normals_of(raw, points, corners32, used, path).astype(np.float32),
+        corners32,
+        origin,
+        raw.crs,
+        textures=_textures_of(raw, used),
     )
-    lengths = np.linalg.norm(normals, axis=1)
-    normals[lengths == 0] = 0.0, 0.0, 1.0
-    lengths[lengths == 0] = 1.0
-    return np.asarray(normals / lengths[:, None])
 
 
-def _to_z_up(vectors: Vectors) -> Vectors:
-    """Return vectors of a y-up world, turned by 90 degrees about x."""
-    return np.stack([vectors[:, 0], -vectors[:, 2], vectors[:, 1]], axis=1)
+def _polygons_of(raw: RawMesh, path: Path) -> tuple[Integers, Integers, npt.NDArray[np.bool_]]:
+    """Return polygons of three and more corners, and which points they use; say what is left out.
+
+    Corners are numbered among the points that are used.
+    """
+    require_corners(raw.corners, raw.sizes, len(raw.points))
+    enough = raw.sizes >= 3
+    raw.dropped["faces of fewer than three corners"] += int(np.count_nonzero(~enough))
+    corners, sizes = raw.corners[np.repeat(enough, raw.sizes)], raw.sizes[enough]
+    used = np.zeros(len(raw.points), np.bool_)
+    used[corners] = True
+    raw.dropped["vertices of no triangle"] += int(np.count_nonzero(~used))
+    if not len(sizes):
+        raise InputError(f"expected triangles in {path}, got none")
+    if dropped := +raw.dropped:
+        left_out = ", ".join(f"{count:,} {what}" for what, count in dropped.items())
+        _log.warning("%s: left out %s", path, left_out)
+    return (np.cumsum(used) - 1)[corners], sizes, used
 
 
-def _recorded_origin(surface: Any, path: Path) -> tuple[npt.NDArray[np.float64] | None, str | None]:
-    """Return the origin and CRS that were saved with a mesh; None where there is none."""
-    if "origin" in surface.field_data:
-        names = surface.field_data.get("crs")
-        crs = None if names is None else str(np.ravel(names)[0])
-        return np.array(surface.field_data["origin"], np.float64), crs
-    with path.open("rb") as file:
-        ends = file.read(_MARGIN)
-        file.seek(max(0, path.stat().st_size - _MARGIN))
-        ends += b"\n" + file.read()
-    note = _ORIGIN.search(ends)
-    if note is None:
-        return None, None
-    crs = note[4].decode().strip() if note[4] else None
-    return np.array([float(number) for number in note.groups()[:3]]), crs
+def _placed(
+    raw: RawMesh, used: npt.NDArray[np.bool_], path: Path
+) -> tuple[Floats, npt.NDArray[np.float64]]:
+    """Return the points that are used, and the origin that they are relative to.
+
+    Raises
+    ------
+    InputError
+        If a point or the origin is not finite, or float32 cannot hold a point.
+    """
+    # a number that stands for no data may be anything, where no triangle uses it
+    require_sound(
+        np.where(used[:, None], raw.points, raw.points.dtype.type(0)),
+        np.zeros((0, 3), np.int32),
+        f"a mesh in {path.name}",
+    )
+    points = raw.points[used]
+    if raw.origin is None:
+        with np.errstate(over="ignore"):
+            origin = _origin_near(points)
+            points = points - origin
+    else:
+        origin = raw.origin
+    if origin.shape != (3,) or not np.isfinite(origin).all():
+        raise InputError(f"expected a finite origin of three numbers in {path}, got {origin}")
+    largest = float(abs(points).max())
+    if largest > float(np.finfo(np.float32).max):
+        raise InputError(f"expected positions that 32 bits can hold in {path}, got {largest:g}")
+    return points, origin
 
 
-def _origin_near(points: Vectors) -> npt.NDArray[np.float64]:
+def _origin_near(points: Floats) -> npt.NDArray[np.float64]:
     """Return whole numbers near the middle, along axes on which zero is far away."""
     if points.dtype == np.float32:
         return np.zeros(3)
     low, high = points.min(axis=0), points.max(axis=0)
     middle = low / 2 + high / 2
     return np.where(abs(middle) > high - low, np.round(middle), 0.0)
+
+
+def _normals_of(
+    raw: RawMesh,
+    points: Floats,
+    triangles: npt.NDArray[np.int32],
+    used: npt.NDArray[np.bool_],
+    path: Path,
+) -> Floats:
+    """Return the file's own normals where they are usable, else the faces'."""
+    if raw.normals is not None and raw.normals.shape == raw.points.shape:
+        own = raw.normals[used].astype(np.float64)
+        with np.errstate(over="ignore"):
+            lengths = np.linalg.norm(own, axis=1)
+        if (abs(lengths - 1) < _NEARLY_UNIT).all():
+            return np.asarray(own / lengths[:, None])
+    _log.info("%s: normals computed from the triangles", path)
+    return vertex_normals(points, triangles)
+
+
+def _textures_of(raw: RawMesh, used: npt.NDArray[np.bool_]) -> npt.NDArray[np.float32] | None:
+    """Return the texture coordinates of a file where they are usable."""
+    if raw.textures is None or raw.textures.shape != (len(raw.points), 2):
+        return None
+    with np.errstate(over="ignore"):
+        own = raw.textures[used].astype(np.float32)
+    return own if np.isfinite(own).all() else None

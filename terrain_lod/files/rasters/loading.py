@@ -1,100 +1,108 @@
-"""Heights from a file: one row of `FORMATS` and one reader for each kind of file."""
+"""Ground from a file of heights."""
 
 from __future__ import annotations
 
 import os
-import struct
 import warnings
-import zipfile
-import zlib
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
-from typing import Final
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
-from ...arguments import finite, positive
+from ...arguments import finite
 from ...errors import FileError, InputError, TerrainError
 from ...ground.heightmap import Heightmap
-from .degrees import local_metres
-from .readers import (
-    Raster,
-    read_asc,
-    read_hgt,
-    read_numpy,
-)
-from .readers_geo import read_gdal, read_tiff
-from .readers_image import read_image
-
-
-@dataclass(frozen=True)
-class Format:
-    """A kind of file: its title, the endings of its names, and what reads it."""
-
-    title: str
-    endings: tuple[str, ...]
-    read: Callable[[Path], Raster]
-
-
-FORMATS: Final = (
-    Format("a PNG image", (".png",), read_image),
-    Format("a JPEG image", (".jpg", ".jpeg"), read_image),
-    Format("a TIFF", (".tif", ".tiff"), read_tiff),
-    Format("a NumPy array", (".npy", ".npz"), read_numpy),
-    Format("an SRTM tile", (".hgt", ".hgt.gz", ".hgt.zip"), read_hgt),
-    Format("an ESRI ASCII grid", (".asc",), read_asc),
-    Format("a GDAL raster", (".vrt", ".img", ".bil"), read_gdal),
-)
-
-# what libraries raise where a file is not what its name says
-UNREADABLE: Final = (
-    OSError, EOFError, ValueError, SyntaxError, KeyError, struct.error, zlib.error,
-    zipfile.BadZipFile,
-)  # fmt: skip
+from .formats import format_of
+from .mercator import checked_tile, tile_of, with_tile
+from .nodata import is_nodata, undeclared
+from .parts import Part
+from .place import height_factor, place_of
+from .raster import Raster
 
 
 def load(
     path: str | os.PathLike[str],
     *,
-    spacing: float | tuple[float, float] | None = None,
+    spacing: float | tuple[float, float] | Literal["map"] | None = None,
     height_range: tuple[float, float] | None = None,
     nodata: float | None = None,
+    bounds: tuple[float, float, float, float] | None = None,
+    window: tuple[int, int, int, int] | None = None,
+    overview: int | None = None,
+    band: int | None = None,
+    z_unit: str | None = None,
+    z_scale: float | None = None,
+    tile: tuple[int, int, int] | None = None,
 ) -> Heightmap:
     """Load ground from a file of heights.
 
     ========================  =====================================================================
     .png, .tif                16 bits of grey; 8 bits with a warning; floating point (TIFF)
-    .tif                      GeoTIFF: CRS, spacing, origin, nodata; shifted by half a cell where
-                              its samples are the middles of cells
-    .png, .tif                terrain-RGB of Mapbox or Terrarium, told apart by their colours
+    .tif                      GeoTIFF: CRS, units, spacing, origin, nodata; shifted by half a cell
+                              where its samples are the middles of cells
+    .png, .webp, .tif         terrain-RGB of Mapbox or Terrarium, told apart by their colours
     .jpg                      8 bits of grey, with a warning
     .npy, .npz                an array; an archive's only 2-D array, or the one named ``heights``
     .hgt, .hgt.gz, .hgt.zip   SRTM, placed by its name; -32768 is nodata
-    .asc                      ESRI ASCII, with the CRS of a .prj file beside it
-    .vrt, .img, .bil          whatever GDAL reads, through rasterio
+    .asc                      ESRI ASCII or GRASS ASCII, with the CRS of a .prj file beside it
+    .vrt, .img, .bil, .dem,   whatever GDAL reads, through rasterio: these and all others, by what
+    .dt2, .nc, .jp2, ...      is in them, whatever they are called
+    .zip, .gz                 the same, packed; of an archive the only raster
     ========================  =====================================================================
 
-    What a file does not say is a spacing of 1, an origin of (0, 0) and no CRS.
+    What a file does not say is a spacing of 1, with a warning, an origin of (0, 0), no CRS and
+    metres.
 
-    **Degrees.** A raster in longitude and latitude (.hgt, .asc or GeoTIFF alike) becomes local
+    **Units.** Horizontal and vertical unit are read where the file says them (CRS, vertical CRS,
+    unit of the band). Heights are brought to the unit of x and y, which is that of the CRS, and
+    ``units`` names both. Heights whose unit is not said are metres, or feet beside a CRS in feet,
+    with a warning.
+
+    **Degrees.** A raster in longitude and latitude, in degrees, grads or what else, becomes local
     metres at its middle latitude; how much that bends it is logged, and it is refused where that
     is more than 5 % of an east-west length. Its origin is scaled alike, so that x and y divided by
     the metres per degree, which ``crs`` records, are longitude and latitude again. With `spacing`
     given, that decides instead. A raster without CRS whose numbers could be degrees or metres is
     refused until `spacing` is given.
 
+    **Stretched maps.** EPSG:3857, the map of the web, shows everything too large, at 60 degrees
+    twice. It becomes true to scale, as any projection does that is off by more than 5 % in the
+    middle of the raster; origin and ``crs`` as with degrees.
+
     Parameters
     ----------
     path : str or path
-    spacing : float or (float, float), optional
-        Distance between samples along x and y in metres, instead of the file's.
+    spacing : float, (float, float) or "map", optional
+        Distance between samples along x and y in metres (in the unit of the CRS, if that is
+        another), instead of the file's. ``"map"`` takes the file's numbers as they are, stretched
+        or not.
     height_range : (float, float), optional
         Heights of the least and the greatest number that the file's integers can hold, such as
-        those of 0 and 65535; without it a number is its height.
+        those of 0 and 65535, in the unit of `spacing`; without it a number is its height.
     nodata : float, optional
         The number in the file that stands for no data, instead of the file's.
+    bounds : (west, south, east, north), optional
+        Read only the samples within these, in the file's own CRS.
+    window : (column, row, width, height), optional
+        Read only these samples, counted in the file. A rasterio ``Window``, or
+        ``((row, stop), (column, stop))``, will do.
+    overview : int, optional
+        Read a smaller version that the file holds, 0 the largest of them. Window and bounds apply
+        to that.
+    band : int, optional
+        Which band holds the heights, from 1, whatever its colour is said to be.
+    z_unit : str, optional
+        Unit of the file's heights, such as ``"foot"``, instead of what the file says.
+    z_scale : float, optional
+        A number of the file times this is a height: in `z_unit` where that is given, else in the
+        unit of x and y whatever the file says.
+    tile : (z, x, y), optional
+        Which tile of the web's map an image is. It gives terrain-RGB its spacing, origin and CRS;
+        a path that ends in ``z/x/y.png`` does so, too.
 
     Returns
     -------
@@ -106,77 +114,118 @@ def load(
     FileError
         If the file is missing, truncated or not what its ending says.
     InputError
-        If its content is no ground: three channels that are not terrain-RGB, several bands, a
-        rotated raster, fewer than 2 x 2 samples, infinities, no data at all; or an argument is out
-        of range.
+        If its content is no ground: pictures, several bands, a rotated raster, ground control
+        points or a camera's polynomials, fewer than 2 x 2 samples, infinities, no data at all; if
+        it needs more memory than is free, which is said before any is taken; or if an argument is
+        out of range.
     MissingExtraError
         If the file needs rasterio and it is not installed.
 
     Warns
     -----
     UserWarning
-        If the heights have 8 bits: slopes become stairs.
+        If the heights have 8 bits (slopes become stairs); if spacing or the unit of heights is a
+        guess; if PROJ refuses the CRS; if a value that no ground has (-9999, -32768, 3.4e38 ...)
+        stands among heights and nobody said that it is nodata.
     """
     path = Path(path)
-    form, name = _format_of(path)
+    part = Part.of(bounds, window, overview, band)
+    numbered = None if tile is None else checked_tile(tile)
+    form, name = format_of(path)
     try:
-        with warnings.catch_warnings():
+        with _within_memory(path.name), warnings.catch_warnings():
             # what libraries mumble over a file is not for the user; what they raise is
             warnings.simplefilter("ignore")
-            raster = form.read(path)
+            raster = form.read(path, part)
     except TerrainError:
         raise
-    except UNREADABLE as error:
-        reason = (str(error).splitlines() or [type(error).__name__])[0]
+    except Exception as error:
+        # a damaged file makes libraries raise whatever there is
+        reason = (str(error).splitlines() or [""])[0][:200] or type(error).__name__
         raise FileError(
             f"expected {form.title} in {path}, got a part of one or something else ({reason})"
         ) from error
+    if numbered is None and raster.coloured and raster.step is None and part.is_all:
+        numbered = tile_of(path)
+    if numbered is not None:
+        if not part.is_all:
+            raise InputError("expected a whole tile with tile=, got bounds or window")
+        raster = with_tile(raster, numbered, path.name)
     if raster.values.dtype.itemsize == 1:
-        warnings.warn(
+        stairs = (
             f"{path.name} has 8-bit heights: 256 steps, so slopes become stairs; "
-            "a 16-bit or floating-point file would not",
-            stacklevel=2,
+            "a 16-bit or floating-point file would not"
         )
-    return ground_of(raster, name, spacing=spacing, height_range=height_range, nodata=nodata)
+        raster = replace(raster, notes=(stairs, *raster.notes))
+    with _within_memory(path.name):
+        ground, notes = _ground_of(
+            raster, name, spacing=spacing, height_range=height_range, nodata=nodata,
+            z_unit=z_unit, z_scale=z_scale,
+        )  # fmt: skip
+    for note in notes:
+        warnings.warn(note, stacklevel=2)
+    return ground
+
+
+@contextmanager
+def _within_memory(name: str) -> Iterator[None]:
+    """Say so where memory runs out all the same."""
+    try:
+        yield
+    except MemoryError:
+        raise InputError(
+            f"expected a raster that fits into memory, got {name}, which does not: read a part "
+            "with window= or bounds="
+        ) from None
 
 
 def ground_of(
+    raster: Raster, name: str, *, height_range: tuple[float, float] | None = None
+) -> Heightmap:
+    """Return the ground that content known to be sound makes."""
+    return _ground_of(raster, name, height_range=height_range)[0]
+
+
+def _ground_of(
     raster: Raster,
     name: str,
     *,
-    spacing: float | tuple[float, float] | None = None,
+    spacing: float | tuple[float, float] | Literal["map"] | None = None,
     height_range: tuple[float, float] | None = None,
     nodata: float | None = None,
-) -> Heightmap:
-    """Return the ground that a file's content makes; arguments as `load`'s."""
+    z_unit: str | None = None,
+    z_scale: float | None = None,
+) -> tuple[Heightmap, tuple[str, ...]]:
+    """Return the ground that a file's content makes, and what a user ought to be warned of."""
+    if raster.values.ndim != 2 or min(raster.values.shape) < 2:
+        raise InputError(
+            f"expected heights of at least 2 x 2 samples, got shape {raster.values.shape}"
+        )
     hole = _holes(raster, raster.nodata if nodata is None else nodata)
-    heights = raster.values if height_range is None else _stretched(raster, name, height_range)
-    given = None if spacing is None else _pair(spacing)
-    origin, crs = raster.origin or (0.0, 0.0), raster.crs
-    if raster.step is None:
-        step = given or (1.0, 1.0)
-    elif raster.degrees or _could_be_degrees(raster):
-        step = given or _metres(raster, name)
-        per_degree = step[0] / raster.step[0], step[1] / raster.step[1]
-        origin = origin[0] * per_degree[0], origin[1] * per_degree[1]
-        if raster.degrees:
-            crs = _local(crs, per_degree)
+    place = place_of(raster, name, spacing)
+    notes = raster.notes + place.notes
+    if height_range is not None:
+        heights: npt.NDArray[Any] = _stretched(raster, name, height_range)
     else:
-        step = given or raster.step
-    return Heightmap(heights, spacing=step, origin=origin, mask=hole, crs=crs, name=name)
-
-
-def _format_of(path: Path) -> tuple[Format, str]:
-    """Return what the ending of a file says it is, and its name without the ending."""
-    if not path.is_file():
-        found = "a folder" if path.is_dir() else "nothing"
-        raise FileError(f"expected a file of heights, got {found} at {path}")
-    for form in FORMATS:
-        for ending in form.endings:
-            if path.name.lower().endswith(ending):
-                return form, path.name[: -len(ending)]
-    known = ", ".join(sorted(ending for form in FORMATS for ending in form.endings))
-    raise InputError(f"expected a file that ends in one of {known}, got {path.name}")
+        factor, doubts = height_factor(raster, place.unit, name, z_unit, z_scale)
+        notes += doubts
+        metres = abs(factor * raster.scale) * place.unit.metres or 1.0
+        if raster.values.dtype.kind in "iuf" and raster.offset == 0:
+            notes += tuple(
+                f"{name} holds {value:g} in {count:,} of {raster.values.size:,} samples, which "
+                f"looks like nodata that is not declared: nodata={value:.9g} leaves them out"
+                for value, count in undeclared(raster.values, hole, metres)
+            )
+        heights = _scaled(raster, factor)
+    units = place.unit.name, place.unit.name
+    # a vertical CRS does not hold of heights that were brought to another unit
+    compound = raster.system.height_unit not in (None, place.unit)
+    crs = raster.system.horizontal if compound and place.crs == raster.system.crs else place.crs
+    ground = Heightmap(
+        heights, spacing=place.spacing, origin=place.origin, mask=hole, crs=crs,
+        units=units, name=name,
+    )  # fmt: skip
+    return ground, notes
 
 
 def _holes(raster: Raster, nodata: float | None) -> npt.NDArray[np.bool_] | None:
@@ -187,10 +236,17 @@ def _holes(raster: Raster, nodata: float | None) -> npt.NDArray[np.bool_] | None
         value = float(nodata)
     except (TypeError, ValueError):
         raise InputError(f"expected a number for nodata, got {nodata!r}") from None
-    # a value that float32 cannot hold is nowhere in a float32 raster
-    with np.errstate(over="ignore"):
-        hole: npt.NDArray[np.bool_] = raster.values == value
+    hole = is_nodata(raster.values, value)
     return hole if raster.mask is None else hole | raster.mask
+
+
+def _scaled(raster: Raster, factor: float) -> npt.NDArray[Any]:
+    """Return heights in their unit: packed numbers unpacked, then brought to another unit."""
+    if (raster.scale, raster.offset, factor) == (1, 0, 1):
+        return raster.values
+    # what stands in a hole may pass float64's range
+    with np.errstate(over="ignore", invalid="ignore"):
+        return (raster.values * raster.scale + raster.offset) * factor
 
 
 def _stretched(
@@ -209,42 +265,3 @@ def _stretched(
         )
     least, greatest = np.iinfo(raster.values.dtype).min, np.iinfo(raster.values.dtype).max
     return low + (raster.values - float(least)) * ((high - low) / (float(greatest) - least))
-
-
-def _pair(spacing: float | tuple[float, float]) -> tuple[float, float]:
-    pair = tuple(spacing) if isinstance(spacing, Iterable) else (spacing, spacing)
-    if len(pair) != 2:
-        raise InputError(f"expected one or two numbers for spacing, got {len(pair)}")
-    return positive("spacing", pair[0]), positive("spacing", pair[1])
-
-
-def _could_be_degrees(raster: Raster) -> bool:
-    """Return whether a raster that names no CRS might as well be in degrees as in metres."""
-    if raster.crs is not None or raster.step is None or raster.origin is None:
-        return False
-    (x, y), (dx, dy) = raster.origin, raster.step
-    # steps of 72 arc-seconds or 2 cm, and numbers that are longitudes and latitudes
-    return 0 < max(dx, dy) < 0.02 and -180 <= x <= 360 and -90 <= y <= 90
-
-
-def _metres(raster: Raster, name: str) -> tuple[float, float]:
-    """Return the spacing of a raster in degrees in local metres."""
-    assert raster.step is not None
-    if not raster.degrees:
-        raise InputError(
-            f"expected {name} to name its CRS, got none and steps of {raster.step[0]:g}, which "
-            "could be degrees or metres: give spacing= in metres"
-        )
-    if raster.origin is None:
-        raise InputError(
-            f"expected a name such as N46E007.hgt that says where the tile is, got {name}: "
-            "rename it, or give spacing= in metres"
-        )
-    return local_metres(raster.step, raster.origin[1], len(raster.values), name)
-
-
-def _local(crs: str | None, per_degree: tuple[float, float]) -> str:
-    """Return WKT for local metres that says how to get back to degrees."""
-    of = f" of {crs}" if crs is not None and crs.startswith("EPSG:") else ""
-    east, north = per_degree
-    return f'LOCAL_CS["degrees{of} times {east:.6f} east, {north:.6f} north",UNIT["metre",1]]'

@@ -15,8 +15,9 @@ import numpy as np
 from ...arguments import one_of
 from ...ground.heightmap import Heightmap
 from .loading import ground_of
-from .readers import Raster
-from .readers_image import read_image
+from .raster import Raster
+from .readers_image import open_image, raster_of
+from .wkt import in_degrees
 
 
 def sample_names() -> tuple[str, ...]:
@@ -44,8 +45,8 @@ def sample(name: str) -> Heightmap:
     if name in _SHIPPED:
         return ground_of(_SHIPPED[name](), name)
     entry = _catalogue()[name]
-    with as_file(_bundled() / f"{name}.png") as path:
-        raster = read_image(path)
+    with as_file(_bundled() / f"{name}.png") as path, open_image(path) as image:
+        raster = raster_of(image, path)
     x0, y0 = entry["origin"]
     low, high = entry["height_range"]
     raster = replace(raster, step=(entry["spacing"], entry["spacing"]), origin=(x0, y0))
@@ -78,7 +79,7 @@ def _jacksboro() -> Raster:
     # the bounds are those of the outer cells' edges; the file's ymin is the northern one
     north = max(float(data["ymin"]), float(data["ymax"]))
     origin = float(data["xmin"]) + dx / 2, north - dy / 2
-    return Raster(data["elevation"], (dx, dy), origin, crs="EPSG:4269", degrees=True)
+    return Raster(data["elevation"], (dx, dy), origin, system=in_degrees("EPSG:4269"))
 
 
 def _topobathy() -> Raster:
@@ -88,7 +89,7 @@ def _topobathy() -> Raster:
     # the rows are a Mercator map's, a little closer in the north: taken as even; row 0 is south
     dy = float(latitude[-1] - latitude[0]) / (len(latitude) - 1)
     origin = float(longitude[0]) - 360, float(latitude[-1])
-    return Raster(data["topo"][::-1], (dx, dy), origin, crs="EPSG:4326", degrees=True)
+    return Raster(data["topo"][::-1], (dx, dy), origin, system=in_degrees("EPSG:4326"))
 
 
 _SHIPPED: Final[dict[str, Callable[[], Raster]]] = {

@@ -1,9 +1,10 @@
-"""Tessellation factors of edges in float64: what the headers ``kernels/factor_*.h`` compute."""
+"""Tessellation factors of edges in float64: what ``kernels/curved/factor/`` computes."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -146,7 +147,10 @@ def _clamped(factor: float, parameters: Parameters) -> float:
     return min(max(factor, parameters["minimum"]), parameters["maximum"])
 
 
-FORMULAS: Final[Mapping[str, Callable[[Edge, npt.NDArray[Any], Parameters], float]]] = {
+Formula = Callable[[Edge, npt.NDArray[Any], Parameters], float]
+"""Segments along an edge, from what is known of it, the view and the formula's numbers."""
+
+FORMULAS: Final[Mapping[str | Path, Formula]] = {
     "curved/factor/uniform.h": uniform,
     "curved/factor/distance.h": distance,
     "curved/factor/length.h": length,

@@ -83,7 +83,10 @@ def _lissajous(t: Array, n: Numbers) -> tuple[Array, Array, Array]:
     return n["size"] * np.cos(x), n["size"] * np.cos(y), n["size"] * np.cos(z)
 
 
-SURFACES: Final[dict[str, Callable[[Array, Array, Numbers], tuple[Array, Array, Array]]]] = {
+Formula = Callable[[Array, Array, Numbers], tuple[Array, Array, Array]]
+"""x, y and z of a surface at u and v from 0 to 1, from the numbers that shape it."""
+
+SURFACES: Final[dict[str, Formula]] = {
     "sphere": _sphere,
     "torus": _torus,
     "moebius": _moebius,
@@ -99,11 +102,12 @@ CURVES: Final[dict[str, Callable[[Array, Numbers], tuple[Array, Array, Array]]]]
 }
 
 
-def surface(name: str, u: Array, v: Array, numbers: Numbers) -> tuple[Array, Array]:
+def surface(shape: str | Formula, u: Array, v: Array, numbers: Numbers) -> tuple[Array, Array]:
     """Return positions and unit normals (N, 3) at u and v; NaN where there is no normal."""
+    formula = SURFACES[shape] if isinstance(shape, str) else shape
 
     def at(u: Array, v: Array) -> Array:
-        return np.stack(SURFACES[name](u, v, numbers), axis=1)
+        return np.stack(formula(u, v, numbers), axis=1)
 
     along_u, along_v = (
         (at(u + a, v + b) - at(u - a, v - b)) / (2 * _STEP) for a, b in ((_STEP, 0), (0, _STEP))

@@ -47,6 +47,14 @@ def kept(
     return result
 
 
+def with_used_points(
+    points: npt.NDArray[np.uint32], triangles: npt.NDArray[np.int32]
+) -> tuple[npt.NDArray[np.uint32], npt.NDArray[np.int32]]:
+    """Return the points that triangles use, in their order, and the triangles among these."""
+    used, corners = np.unique(triangles, return_inverse=True)
+    return points[used], corners.reshape(-1, 3).astype(np.int32)
+
+
 def cells_with_data(ground: Heightmap) -> npt.NDArray[np.bool_]:
     """Return True where all four samples of a cell have data; (R - 1, C - 1)."""
     valid = ground.valid

@@ -10,7 +10,7 @@ from ...ground.grid import TileGrid
 from ...ground.heightmap import Heightmap
 from ...terrain.lod import Lod, Scene
 from .analysis import TileFit
-from .lod import FORMULAS, Patch
+from .lod import FORMULAS, Formula, Patch
 from .selection import bounding_box
 
 Array = npt.NDArray[np.float64]
@@ -24,7 +24,8 @@ def control_points(ground: Heightmap, grid: TileGrid, fallback: float) -> Array:
 
 
 def _levels(points: Array, fits: list[TileFit], grid: TileGrid, lod: Lod, scene: Scene, eye: Array,
-            row_step: int, column_step: int, camera: Camera | None) -> Array:  # fmt: skip
+            formula: Formula, row_step: int, column_step: int,
+            camera: Camera | None) -> Array:  # fmt: skip
     """Return each tile's neighbour's level of detail; at the border, the edge midpoint's."""
     tile_rows, tile_columns = grid.shape
     row, column = np.indices(grid.shape)
@@ -37,19 +38,32 @@ def _levels(points: Array, fits: list[TileFit], grid: TileGrid, lod: Lod, scene:
         for down in (0, 1)
         for across in (0, 1)
     ]
-    distance = np.linalg.norm(np.mean(corners, axis=0) - eye, axis=-1)
+    midpoint = np.mean(corners, axis=0)
     inside = (row + row_step >= 0) & (row + row_step < tile_rows)
     inside &= (column + column_step >= 0) & (column + column_step < tile_columns)
     neighbour = np.where(
         inside, (row + row_step) * tile_columns + column + column_step, row * tile_columns + column
     )
-    deviation = np.array([fit.deviation for fit in fits])[neighbour]
+
+    def of(name: str) -> Array:
+        return np.array([getattr(fit, name) for fit in fits], np.float64)[neighbour]
+
     boxes = np.array([bounding_box(grid, fit, index) for index, fit in enumerate(fits)])
     # the camera's world is as far from the terrain's as its eye says
     shift = 0 if camera is None else camera.eye - eye
-    patch = Patch(distance, deviation, boxes[neighbour] + shift, camera)
-    levels = FORMULAS[lod.header](patch, lod.parameters(scene))
-    return np.where(np.isnan(np.array([fit.minimum for fit in fits])[neighbour]), np.nan, levels)
+    patch = Patch(
+        distance=np.linalg.norm(midpoint - eye, axis=-1),
+        deviation=of("deviation"),
+        midpoint=midpoint,
+        normal=of("normal"),
+        minimum=of("minimum"),
+        maximum=of("maximum"),
+        boxes=boxes[neighbour] + shift,
+        holes=of("nodata"),
+        camera=camera,
+    )
+    levels = formula(patch, lod.parameters(scene))
+    return np.where(np.isnan(patch.minimum), np.nan, levels)
 
 
 def is_culled(grid: TileGrid, fits: list[TileFit], planes: Array) -> npt.NDArray[np.bool_]:
@@ -78,24 +92,29 @@ def factors(
     eye: Array,
     planes: Array | None,
     *,
-    edges: str = "min",
+    edge_rule: str = "min",
     camera: Camera | None = None,
+    formula: Formula | None = None,
 ) -> tuple[Array, Array]:
     """Return edge factors (P, 4) and inside factors (P, 2); `planes` None culls nothing.
 
     `eye` and `planes` are relative to the terrain's origin; the `camera` they are of is needed for
-    formulas that look at the picture.
+    formulas that look at the picture. `formula` is what the level of detail's header computes, if
+    that is not one of ``kernels/``.
     """
     low, _ = ground.height_range
     points = control_points(ground, grid, low - ground.base)
     steps = ((0, 0), (0, -1), (-1, 0), (0, 1), (1, 0))
-    own, *others = (_levels(points, fits, grid, lod, scene, eye, *step, camera) for step in steps)
+    formula = formula or FORMULAS[lod.header]
+    own, *others = (
+        _levels(points, fits, grid, lod, scene, eye, formula, *step, camera) for step in steps
+    )
     holes = np.array([fit.nodata for fit in fits]).reshape(grid.shape) > 0
     around = np.pad(holes, 1)
     other_holes = (around[1:-1, :-2], around[:-2, 1:-1], around[1:-1, 2:], around[2:, 1:-1])
     cells_down = np.diff(grid.corner_rows)[:, None] + 0 * own
     cells_across = np.diff(grid.corner_columns) + 0 * own
-    rule = {"min": np.minimum, "max": np.maximum}[edges]
+    rule = {"min": np.minimum, "max": np.maximum}[edge_rule]
 
     def limited(level: Array, is_holed: npt.NDArray[np.bool_], cells: Array) -> Array:
         return np.where(is_holed, cells, np.clip(level, 1, cells))

@@ -1,9 +1,10 @@
-"""Levels of detail in float64: what the ``kernels/lod_*.h`` headers compute."""
+"""Levels of detail in float64: what the headers of ``kernels/terrain/lod/`` compute."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Final
 
 import numpy as np
@@ -24,13 +25,25 @@ class Patch:
     ----------
     distance, deviation : array
         From the eye to the middle of the corners, and of the samples from the plane.
+    midpoint, normal : (..., 3)
+        The middle of the corners, relative to the terrain's origin, and of the plane.
+    minimum, maximum : array
+        Heights above the terrain's base; NaN where there is no data.
     boxes : (..., 2, 3)
         Lowest and highest corner in the world.
+    holes : array
+        Samples without data.
+    camera : Camera or None
     """
 
     distance: Array
     deviation: Array
+    midpoint: Array
+    normal: Array
+    minimum: Array
+    maximum: Array
     boxes: Array
+    holes: Array
     camera: Camera | None
 
 
@@ -40,19 +53,19 @@ def nearness(distance: Array, near: float, far: float) -> Array:
 
 
 def uniform(patch: Patch, parameters: Parameters) -> Array:
-    """``lod_uniform.h``."""
+    """``uniform.h``."""
     return np.full_like(patch.distance, parameters["factor"])
 
 
 def distance_scaled(patch: Patch, parameters: Parameters) -> Array:
-    """``lod_distance.h``."""
+    """``distance.h``."""
     scale = nearness(patch.distance, parameters["near"], parameters["far"])
     low, high = parameters["minimum"], parameters["maximum"]
     return low + (high - low) * scale ** parameters["falloff"]
 
 
 def coplanarity(patch: Patch, parameters: Parameters) -> Array:
-    """``lod_coplanarity.h``."""
+    """``coplanarity.h``."""
     scale = nearness(patch.distance, parameters["near"], parameters["far"])
     detail = np.minimum(patch.deviation / parameters["full_deviation"], 1)
     flat = parameters["flat_weight"]
@@ -61,7 +74,7 @@ def coplanarity(patch: Patch, parameters: Parameters) -> Array:
 
 
 def screen_area(patch: Patch, parameters: Parameters) -> Array:
-    """``lod_area.h``; the outline of a box in the picture is a convex hull here."""
+    """``area.h``; the outline of a box in the picture is a convex hull here."""
     assert patch.camera is not None
     sides = [
         np.sqrt(_area_in_picture(patch.camera, box)) if np.isfinite(box).all() else np.nan
@@ -80,8 +93,11 @@ def _area_in_picture(camera: Camera, box: Array) -> float:
     return float(ConvexHull(pixels).volume)  # which is the area in a plane
 
 
+Formula = Callable[[Patch, Parameters], Array]
+"""Segments along an edge of patches, from what is known of them and the formula's numbers."""
+
 # by the header's name
-FORMULAS: Final[Mapping[str, Callable[[Patch, Parameters], Array]]] = {
+FORMULAS: Final[Mapping[str | Path, Formula]] = {
     "terrain/lod/uniform.h": uniform,
     "terrain/lod/distance.h": distance_scaled,
     "terrain/lod/coplanarity.h": coplanarity,

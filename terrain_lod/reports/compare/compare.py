@@ -6,14 +6,9 @@ error is not asked.
 
 from __future__ import annotations
 
-import csv
-import io
-import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict
-from importlib.metadata import version
-from itertools import count
 from pathlib import Path
 from typing import Any, Final
 
@@ -21,20 +16,17 @@ from ...arguments import whole
 from ...device.device import Device
 from ...device.layout import DEFAULT_TILE
 from ...drawing.graphics import graphics_problem
-from ...drawing.render import render
+from ...drawing.picture import draw, save_png
 from ...ground.heightmap import Heightmap
-from ...paths import replacing, require_made
-from ...terrain.lod import (
-    CoplanarityLod,
-    DistanceLod,
-    MaxErrorLod,
-    ScreenErrorLod,
-)
+from ...paths import require_made
+from ...terrain.lod import Weighted
+from ..texts import Steps, csv_text, json_text, write_texts
 from .outcome import SweepReport
 from .page import comparison_page
 from .plots import save_plots
 from .sweep import (
     contenders,
+    drawn,
     installed,
     partitionings,
     tile_sizes,
@@ -43,7 +35,7 @@ from .trials import Course, Result, run
 from .verdict import findings, speeds
 
 # of the JSON file; raised when a key changes its meaning
-FORMAT: Final = 1
+FORMAT: Final = 2
 
 _QUANTITIES: Final = {
     "triangles": "",
@@ -59,9 +51,9 @@ _QUANTITIES: Final = {
 }
 
 
-def compare_all(
+def compare(
     ground: Heightmap,
-    directory: str | Path,
+    folder: str | Path,
     *,
     tile: int = DEFAULT_TILE,
     views: int = 3,
@@ -76,7 +68,7 @@ def compare_all(
     Parameters
     ----------
     ground : Heightmap
-    directory : str or Path
+    folder : str or Path
         Made if it is not there.
     tile : int, optional
         Cells along a tile, of the sweep.
@@ -86,23 +78,21 @@ def compare_all(
     progress : callable, optional
         Called with steps done and steps in all.
 
+    Returns
+    -------
+    SweepReport
+
     Raises
     ------
     InputError, FileError, DeviceMemoryError
         If an option is not one of these, a file cannot be written, or the device is too small.
     """
     views = whole("views", views, 1, 100)
-    folder = require_made(Path(directory))
+    folder = require_made(Path(folder))
     course = Course(ground, views, device or Device.open())
     course.terrain(tile)  # a wrong tile is refused before anything takes time
     groups = contenders(ground, tile), tile_sizes(ground), partitionings(tile)
-    total = sum(map(len, groups)) + 1
-    done = count(1)
-
-    def step() -> None:
-        if progress is not None:
-            progress(next(done), total)
-
+    step = Steps(progress, sum(map(len, groups)) + 1)
     sweep, tiles, ways = (run(course, group, step) for group in groups)
     made = SweepReport(
         course,
@@ -114,42 +104,32 @@ def compare_all(
         installed()[1],
         {**save_plots(sweep, folder), **_pictures(course, tile, folder)},
     )
-    _write_texts(made, folder)
+    made.files.update(write_texts(folder, _texts(made)))
     step()
     return made
 
 
 def _pictures(course: Course, tile: int, folder: Path) -> dict[str, Path]:
-    """Draw the first view of four levels of detail, coloured by their factors."""
+    """Draw the first view of every level of detail, coloured by its factors."""
     if graphics_problem() is not None:
         return {}
     pictures, terrain, camera = {}, course.terrain(tile), course.cameras[0]
-    low, high = course.ground.height_range
-    for lod in (
-        ScreenErrorLod(1.0),
-        MaxErrorLod(max(0.008 * (high - low), 1e-3)),
-        DistanceLod(maximum=float(tile)),
-        CoplanarityLod(maximum=float(tile)),
-    ):
-        name = type(lod).__name__
-        path = folder / f"lod_{name}.png"
+    for lod in drawn(course.ground, tile):
+        name = "Weighted" if isinstance(lod, Weighted) else type(lod).__name__
         mesh = terrain.mesh(camera, lod=lod)
-        render(mesh, camera, path, style="lod", factor_range=(1.0, max(tile, 2)))
-        pictures[name] = path
+        picture = draw(mesh, camera, style="lod", factor_range=(1.0, max(tile, 2)))
+        pictures[name] = save_png(picture, folder / f"lod_{name}.png")
     return pictures
 
 
-def _write_texts(made: SweepReport, folder: Path) -> None:
-    texts = {
-        "csv": ("compare.csv", _csv(made, _quantities)),
-        "times": ("times.csv", _csv(made, lambda result: asdict(result.times))),
-        "json": ("compare.json", _json(made)),
+def _texts(made: SweepReport) -> dict[str, tuple[str, str]]:
+    """Return the page and the numbers, each under the name of its file."""
+    return {
+        "csv": ("compare.csv", csv_text(_lines(made, _quantities))),
+        "times": ("times.csv", csv_text(_lines(made, lambda result: asdict(result.times)))),
+        "json": ("compare.json", json_text(FORMAT, _content(made))),
         "html": ("compare.html", comparison_page(made)),
     }
-    for key, (name, text) in texts.items():
-        with replacing(folder / name) as temporary:
-            temporary.write_text(text, encoding="utf-8", newline="\n")
-        made.files[key] = folder / name
 
 
 def _who(result: Result) -> dict[str, Any]:
@@ -159,7 +139,7 @@ def _who(result: Result) -> dict[str, Any]:
         "family": contender.family,
         "parameter": contender.parameter,
         "unit": contender.unit,
-        "edges": contender.edges or None,
+        "edge_rule": contender.edge_rule or None,
         "tile": contender.tile or None,
         "partitioning": contender.partitioning if is_ours else None,
     }
@@ -170,23 +150,18 @@ def _quantities(result: Result) -> dict[str, Any]:
     return {name: None if math.isnan(value) else value for name, value in values.items()}
 
 
-def _csv(made: SweepReport, values: Callable[[Result], dict[str, Any]]) -> str:
-    """Return a line a contender, in the order of the sweep."""
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    for index, result in enumerate(made.results):
-        line = {**_who(result), **values(result)}
-        if index == 0:
-            writer.writerow(line)
-        writer.writerow("" if value is None else value for value in line.values())
-    return stream.getvalue()
+def _lines(
+    made: SweepReport, values: Callable[[Result], dict[str, Any]]
+) -> Iterator[Iterable[object]]:
+    """Yield a line a contender, in the order of the sweep, under the names of what is in it."""
+    lines = [{**_who(result), **values(result)} for result in made.results]
+    yield lines[0]
+    yield from (line.values() for line in lines)
 
 
-def _json(made: SweepReport) -> str:
+def _content(made: SweepReport) -> dict[str, Any]:
     ground = made.course.ground
-    content = {
-        "format": FORMAT,
-        "terrain_lod": version("terrain_lod"),
+    return {
         "ground": {"name": ground.name, "rows": ground.shape[0], "columns": ground.shape[1]},
         "cameras": [
             {"eye": camera.eye, "target": camera.target, "fov": camera.fov, "size": camera.size}
@@ -194,11 +169,14 @@ def _json(made: SweepReport) -> str:
         ],
         "device": str(made.course.device.info),
         "peers_missing": made.missing,
-        "units": {name: unit for name, unit in _QUANTITIES.items() if unit},
+        "units": {
+            name: made.course.ground.unit_symbols[1] if unit == "m" else unit
+            for name, unit in _QUANTITIES.items()
+            if unit
+        },
         **{
             name: [{**_who(result), **_quantities(result)} for result in getattr(made, name)]
             for name in ("sweep", "tiles", "partitionings")
         },
         "findings": made.findings,
     }
-    return json.dumps(content, indent=2, allow_nan=False) + "\n"

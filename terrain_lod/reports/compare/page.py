@@ -3,10 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from html import escape
-from importlib.metadata import version
-from importlib.resources import files
-from string import Template
 from typing import Final
 
 from ..html import (
@@ -17,22 +13,10 @@ from ..html import (
     row_of_figures,
     section,
 )
-from ..page import css_ramp
+from ..template import filled_page
 from .outcome import SweepReport
 from .trials import Result
 
-_HEADS: Final = (
-    "",
-    "Edges",
-    "Triangles",
-    "Largest, m",
-    "RMS, m",
-    "Largest, px",
-    "RMS, px",
-    "Kept",
-    "Pop, px",
-    "Whole, ms",
-)
 _COST_HEADS: Final = (
     "",
     "Edges",
@@ -50,27 +34,22 @@ _COST_HEADS: Final = (
 
 def comparison_page(made: SweepReport) -> str:
     """Return the page's text."""
-    template = Template(files("terrain_lod.reports").joinpath("report.html").read_text("utf-8"))
     ground = made.course.ground
     (rows, columns), (low, high) = ground.shape, ground.height_range
-    number = version("terrain_lod")
-    return template.substitute(
-        version=escape(number),
-        title=escape(f"Speed against error: {ground.name}"),
-        subtitle=escape(
-            f"{rows:,} × {columns:,} samples, {ground.spacing[0]:g} × {ground.spacing[1]:g} m "
-            f"apart, {low:,.0f} to {high:,.0f} m high; {len(made.course.pairs)} views of a low "
-            f"flight, {made.course.cameras[0].size[0]} × {made.course.cameras[0].size[1]} pixels; "
+    across, up = ground.unit_symbols
+    return filled_page(
+        title=f"Speed against error: {ground.name}",
+        subtitle=(
+            f"{rows:,} × {columns:,} samples, {ground.spacing[0]:g} × {ground.spacing[1]:g} "
+            f"{across} apart, {low:,.0f} to {high:,.0f} {up} high; "
+            f"{len(made.course.pairs)} views of a low flight, "
+            f"{made.course.cameras[0].size[0]} × {made.course.cameras[0].size[1]} pixels; "
             f"on {made.course.device.info}."
         ),
-        verdict="\n".join(map(paragraph, [*made.findings, *made.speeds])),
-        cards="\n".join(_cards(made)),
-        sections="\n".join(_sections(made)),
-        footer=escape(
-            f"Made by terrain_lod {number}. The same numbers: compare.json, compare.csv and, "
-            "for what differs from run to run, times.csv."
-        ),
-        ramp=css_ramp(),
+        verdict=[*made.findings, *made.speeds],
+        cards=_cards(made),
+        sections=_sections(made),
+        numbers="compare.json, compare.csv and, for what differs from run to run, times.csv",
     )
 
 
@@ -120,12 +99,21 @@ def _sections(made: SweepReport) -> Iterator[str]:
         "Tile sizes",
         paragraph("The two promises at one tolerance, in tiles of every size.", kind="soft"),
         listing(
-            ("", "Tile", *_HEADS[1:]),
+            ("", "Tile", *_heads(made)[1:]),
             ([line[0], str(r.contender.tile), *line[1:]] for r in made.tiles if (line := _line(r))),
             words=3,
         ),
     )
     yield _popping(made)
+
+
+def _heads(made: SweepReport) -> tuple[str, ...]:
+    """Return the titles of the columns."""
+    up = made.course.ground.unit_symbols[1]
+    return (
+        "", "Edges", "Triangles", f"Largest, {up}", f"RMS, {up}", "Largest, px", "RMS, px", "Kept",
+        "Pop, px", "Whole, ms",
+    )  # fmt: skip
 
 
 def _tried(made: SweepReport) -> str:
@@ -139,7 +127,7 @@ def _tried(made: SweepReport) -> str:
             "the next of 240 pictures of the flight.",
             kind="soft",
         ),
-        listing(_HEADS, map(_line, made.sweep), words=2),
+        listing(_heads(made), map(_line, made.sweep), words=2),
         *(_absent(made.missing) if made.missing else ()),
     )
 
@@ -175,7 +163,8 @@ def _absent(missing: Sequence[str]) -> Iterator[str]:
 
 
 def _seen(made: SweepReport) -> str:
-    names = [name for name in made.files if name.endswith("Lod")]
+    families = dict.fromkeys(result.contender.family for result in made.sweep)
+    names = [name for name in families if name in made.files]
     if not names:
         return section("Where the triangles go", paragraph("This machine draws no 3-D pictures."))
     ramp = '<div class="ramp"><span>1</span><i></i><span>a tile’s cells</span></div>'
@@ -218,8 +207,8 @@ def _cost_line(result: Result) -> list[str]:
 
 def _who(result: Result) -> tuple[str, str, str]:
     contender = result.contender
-    label = contender.label.removesuffix(f", {contender.edges}")
-    return label, contender.edges, f"{result.triangles:,}"
+    label = contender.label.removesuffix(f", {contender.edge_rule}")
+    return label, contender.edge_rule, f"{result.triangles:,}"
 
 
 def _milliseconds(seconds: float | None) -> str:

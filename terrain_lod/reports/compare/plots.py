@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import cycle
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from ...paths import replacing
+from ...terrain.lod import Lod
 from ..maps import STYLE
 from .trials import Result
 
@@ -20,15 +22,18 @@ _LOOKS: Final[dict[str, tuple[str, str]]] = {
     "UniformLod": ("#9aa1ad", "o"),
     "DistanceLod": ("#56b4e9", "o"),
     "CoplanarityLod": ("#009e73", "o"),
+    "ScreenAreaLod": ("#8ab66f", "o"),
     "MaxErrorLod": ("#0b3d91", "o"),
     "ScreenErrorLod": ("#d55e00", "o"),
     "BudgetLod": ("#e69f00", "o"),
+    "Weighted": ("#b2182b", "o"),
     "uniform grid": ("#9aa1ad", "s"),
     "pydelatin": ("#000000", "^"),
     "pymartini": ("#cc79a7", "v"),
     "VTK greedy": ("#8c564b", "D"),
     "pyvista decimate": ("#6a3d9a", "P"),
 }
+_OWN: Final = ("#17becf", "#bcbd22", "#e377c2", "#7f7f7f")  # of classes from elsewhere, in turn
 
 
 def save_plots(results: Sequence[Result], folder: Path) -> dict[str, Path]:
@@ -61,9 +66,10 @@ def _save(
         figure = Figure(figsize=(11.0, 4.8), layout="constrained")
         FigureCanvasSVG(figure)
         left, right = figure.subplots(1, 2)
+        unit = results[0].contender.symbol if results else "m"
         _draw(left, results, lambda result: (cost(result), result.metres))
         _draw(right, results, lambda result: (cost(result), result.pixels))
-        left.set(xlabel=label, ylabel="largest vertical error (m)", title="In the world")
+        left.set(xlabel=label, ylabel=f"largest vertical error ({unit})", title="In the world")
         right.set(xlabel=label, ylabel="largest error (pixels)", title="In the picture")
         figure.legend(*left.get_legend_handles_labels(), loc="outside right upper", frameon=False)
         with replacing(path) as temporary:
@@ -73,7 +79,9 @@ def _save(
 
 def _draw(ax: Axes, results: Sequence[Result], pair: Pair) -> None:
     """Draw a line a family, on scales of powers; what is exact has no place on them."""
-    for family, (colour, mark) in _LOOKS.items():
+    own = dict.fromkeys(result.contender.family for result in results).keys() - _LOOKS.keys()
+    looks = _LOOKS | dict(zip(sorted(own), ((each, "o") for each in cycle(_OWN)), strict=False))
+    for family, (colour, mark) in looks.items():
         points = [pair(result) for result in results if _is_drawn(result, family)]
         points = sorted((pair for pair in points if pair[1] > 0), key=lambda pair: pair[1])
         if not points:
@@ -95,5 +103,6 @@ def _draw(ax: Axes, results: Sequence[Result], pair: Pair) -> None:
 
 def _is_drawn(result: Result, family: str) -> bool:
     contender = result.contender
-    default = "edge" if family in ("MaxErrorLod", "ScreenErrorLod", "BudgetLod") else "min"
-    return contender.family == family and (contender.peer is not None or contender.edges == default)
+    default = "min" if isinstance(contender.lod, Lod) else "edge"
+    is_shown = contender.peer is not None or contender.edge_rule == default
+    return contender.family == family and is_shown

@@ -3,30 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
 
 from ...device.layout import PARTITIONINGS
+from ...errors import InputError
 from ...ground.heightmap import Heightmap
-from ...terrain.lod import (
-    BudgetLod,
-    CoplanarityLod,
-    DistanceLod,
-    Lod,
-    MaxErrorLod,
-    PromiseLod,
-    ScreenErrorLod,
-    UniformLod,
-)
+from ...numbered import Number, begin, numbers_of
+from ...terrain.lod import AnyLod, Lod, PromiseLod, Weighted
+from ...terrain.lod_formulas import DistanceLod
+from ...terrain.lod_promises import BudgetLod, MaxErrorLod, ScreenErrorLod
+from ...terrain.lods import LODS
 from .peers import PEERS, Peer
 
 TILES: Final = (7, 15, 31, 63)
 
 # vertical errors asked for, in shares of the height range
 _METRES: Final = (0.0005, 0.002, 0.008, 0.03)
-_PIXELS: Final = (0.5, 1.0, 2.0, 4.0)
+_TIMES: Final = (0.5, 1.0, 2.0, 4.0)  # a number's default
+_WEIGHTS: Final = (2.0, 4.0, 8.0)  # of the horizon
 _FACTORS: Final = (0.2, 0.4, 0.7, 1.0)  # of a tile's cells
 _BUDGETS: Final = (4, 10, 30)  # triangles a tile
 _SHARES: Final = (0.01, 0.03, 0.1)
@@ -43,43 +40,54 @@ class Contender:
         The level of detail's or the peer's name.
     parameter : float
     unit : str
-        Of the parameter: ``"m"``, ``"pixels"``, ``"triangles"``, ``"segments"``, ``"share"`` or
-        ``"samples"``.
-    lod : Lod, PromiseLod or None
+        Of the parameter: ``"m"``, ``"pixels"``, ``"triangles"``, ``"segments"``, ``"share"``,
+        ``"samples"`` or any other of a level of detail.
+    lod : Lod, PromiseLod, Weighted or None
     peer : Peer or None
         One of the two is there.
-    edges, partitioning : str
+    edge_rule, partitioning : str
     tile : int
         Cells; these three say nothing of a peer.
+    symbol : str
+        What people read for ``"m"``: the symbol of the ground's unit.
     """
 
     family: str
     parameter: float
     unit: str
-    lod: Lod | PromiseLod | None = field(default=None, repr=False)
+    lod: AnyLod | None = field(default=None, repr=False)
     peer: Peer | None = field(default=None, repr=False)
-    edges: str = ""
+    edge_rule: str = ""
     partitioning: str = "fractional_odd"
     tile: int = 0
+    symbol: str = "m"
 
     @property
     def is_static(self) -> bool:
         """Whether one mesh serves all cameras."""
-        return isinstance(self.lod, MaxErrorLod | UniformLod | None)
+        if self.lod is None:
+            return True
+        return not (self.lod.needs_camera or isinstance(self.lod, BudgetLod))
+
+    @property
+    def promises(self) -> bool:
+        """Whether an error was asked for that is to be kept."""
+        return self.lod is None or isinstance(self.lod, PromiseLod)
 
     @property
     def asked_metres(self) -> float | None:
-        return self.parameter if self.unit == "m" else None
+        return self.parameter if self.unit == "m" and self.promises else None
 
     @property
     def asked_pixels(self) -> float | None:
-        return self.parameter if self.unit == "pixels" else None
+        return self.parameter if self.unit == "pixels" and self.promises else None
 
     @property
     def label(self) -> str:
         """What people read: ``"MaxErrorLod 5 m, edge"``."""
-        unit = "×" if self.unit == "share" else self.unit
-        return f"{self.family} {self.parameter:,g} {unit}" + (self.edges and f", {self.edges}")
+        unit = {"share": "×", "m": self.symbol}.get(self.unit, self.unit)
+        rule = f", {self.edge_rule}" if self.edge_rule else ""
+        return f"{self.family} {self.parameter:,g} {unit}{rule}"
 
 
 def tolerances(ground: Heightmap) -> tuple[float, ...]:
@@ -99,29 +107,67 @@ def installed(peers: Sequence[Peer] = PEERS) -> tuple[list[Peer], list[str]]:
 
 def contenders(ground: Heightmap, tile: int) -> list[Contender]:
     """Return everything that the sweep of `ground` tries at one tile size."""
-    return [*_ours(ground, tile), *_theirs(ground)]
+    symbol = ground.unit_symbols[1]
+    return [replace(one, symbol=symbol) for one in (*_ours(ground, tile), *_theirs(ground))]
 
 
 def _ours(ground: Heightmap, tile: int) -> Iterator[Contender]:
-    def ours(lod: Lod | PromiseLod, parameter: float, unit: str, edges: str) -> Contender:
-        return Contender(type(lod).__name__, parameter, unit, lod, edges=edges, tile=tile)
+    for kind in LODS.values():
+        name, what = swept_of(kind)
+        for edge_rule in _edge_rules(kind):
+            for value in _tried(what, ground, tile):
+                lod = kind(**{name: value})
+                unit = what.unit or name
+                yield Contender(kind.__name__, value, unit, lod, edge_rule=edge_rule, tile=tile)
+    for weight in _WEIGHTS:
+        weighted = Weighted(ScreenErrorLod(1.0), horizon=weight)
+        yield Contender("Weighted", weight, "weight", weighted, edge_rule="edge", tile=tile)
 
-    cells = (max(1.0, round(share * tile)) for share in _FACTORS)
-    factors = tuple(dict.fromkeys(cells))
-    for factor in factors:
-        yield ours(UniformLod(factor), factor, "segments", "min")
-    for formula in (DistanceLod, CoplanarityLod):
-        for edges in ("min", "max"):
-            for factor in factors:
-                yield ours(formula(maximum=factor), factor, "segments", edges)
-    tiles = int(np.prod([-(-(extent - 1) // tile) for extent in ground.shape]))
-    for edges in ("edge", "min", "max"):
-        for metres in tolerances(ground):
-            yield ours(MaxErrorLod(metres), metres, "m", edges)
-        for pixels in _PIXELS:
-            yield ours(ScreenErrorLod(pixels), pixels, "pixels", edges)
-    for budget in (tiles * each for each in _BUDGETS):
-        yield ours(BudgetLod(budget), budget, "triangles", "edge")
+
+def swept_of(kind: type[Lod | PromiseLod]) -> tuple[str, Number]:
+    """Return the number that several values are tried of, and what it may be.
+
+    Raises
+    ------
+    InputError
+        If the class has no numbers, or none of that name.
+    """
+    numbers = numbers_of(kind)
+    name = kind.swept or next(iter(numbers), "")
+    if name not in numbers:
+        raise InputError(f"expected a number of {kind.__name__} to compare it by, got {name!r}")
+    return name, numbers[name]
+
+
+def _edge_rules(kind: type[Lod | PromiseLod]) -> tuple[str, ...]:
+    """Return the rules for shared edges that are tried."""
+    if issubclass(kind, BudgetLod):
+        return ("edge",)  # a budget is many meshes
+    if issubclass(kind, PromiseLod):
+        return ("edge", "min", "max")
+    return ("min", "max") if kind.needs_camera else ("min",)
+
+
+def _tried(what: Number, ground: Heightmap, tile: int) -> tuple[float, ...]:
+    """Return the values of a number that are tried, by its unit; else around its default."""
+    if what.unit == "m":
+        return tolerances(ground)
+    if what.unit == "segments":
+        return tuple(dict.fromkeys(max(1.0, round(share * tile)) for share in _FACTORS))
+    if what.unit == "triangles":
+        tiles = int(np.prod([-(-(extent - 1) // tile) for extent in ground.shape]))
+        return tuple(tiles * each for each in _BUDGETS)
+    middle = what.begin(float(np.hypot(*ground.extent)), tile) or 1.0
+    low = -np.inf if what.low is None else what.low
+    held = (min(max(times * middle, low), what.high) for times in _TIMES)
+    return tuple(dict.fromkeys(held))
+
+
+def drawn(ground: Heightmap, tile: int) -> list[AnyLod]:
+    """Return the levels of detail that pictures are made of, as a viewer begins with them."""
+    size = float(np.hypot(*ground.extent))
+    kinds = (kind for kind in LODS.values() if not issubclass(kind, BudgetLod))
+    return [*(begin(kind, size, tile) for kind in kinds), Weighted(ScreenErrorLod(1.0))]
 
 
 def _theirs(ground: Heightmap) -> Iterator[Contender]:
@@ -135,7 +181,15 @@ def tile_sizes(ground: Heightmap) -> list[Contender]:
     """Return the two promises at a middle tolerance, for every tile size."""
     metres = tolerances(ground)[len(tolerances(ground)) // 2]
     return [
-        Contender(type(lod).__name__, value, unit, lod, edges="edge", tile=tile)
+        Contender(
+            type(lod).__name__,
+            value,
+            unit,
+            lod,
+            edge_rule="edge",
+            tile=tile,
+            symbol=ground.unit_symbols[1],
+        )
         for lod, value, unit in (
             (MaxErrorLod(metres), metres, "m"),
             (ScreenErrorLod(1.0), 1.0, "pixels"),

@@ -135,7 +135,7 @@ class Course:
         return terrain.mesh(
             None if contender.is_static else camera,
             lod=contender.lod,
-            edges=contender.edges,
+            edge_rule=contender.edge_rule,
             partitioning=contender.partitioning,
         )
 

@@ -27,8 +27,8 @@ def speeds(sweep: Sequence[Result]) -> list[str]:
     pairs = list(_same_tolerance(sweep, "pydelatin"))
     if pairs:
         each = "; ".join(
-            f"{_number(ours.contender.parameter)} m: {_milliseconds(ours.times.whole)} against "
-            f"{_milliseconds(theirs.times.whole)}, "
+            f"{_number(ours.contender.parameter)} {ours.contender.symbol}: "
+            f"{_milliseconds(ours.times.whole)} against {_milliseconds(theirs.times.whole)}, "
             f"{_times_as(theirs.times.whole / ours.times.whole, 'as fast', 'as slow')}"
             for ours, theirs in pairs
         )
@@ -65,7 +65,7 @@ def _counts(sweep: Sequence[Result]) -> Iterator[str]:
     if not pairs:
         return
     each = "; ".join(
-        f"{_number(ours.contender.parameter)} m: {ours.triangles:,} against "
+        f"{_number(ours.contender.parameter)} {ours.contender.symbol}: {ours.triangles:,} against "
         f"{theirs.triangles:,}, {ours.triangles / theirs.triangles:.3g} times"
         for ours, theirs in pairs
     )
@@ -99,7 +99,8 @@ def _edge_rules(sweep: Sequence[Result]) -> Iterator[str]:
     same = [r for r in rules if r.contender.parameter == 1.0]
     if len(same) > 1:
         each = "; ".join(
-            f"{r.contender.edges} {r.triangles:,} triangles, {r.pixels:.3g} pixels, pop {r.pop:.3g}"
+            f"{r.contender.edge_rule} {r.triangles:,} triangles, {r.pixels:.3g} pixels, "
+            f"pop {r.pop:.3g}"
             for r in same
         )
         yield f"Edge rules, at one pixel: {each}."
@@ -138,7 +139,7 @@ def _of(results: Sequence[Result], family: str) -> list[Result]:
 
 def _find(results: Sequence[Result], family: str, parameter: float) -> Result | None:
     for result in _of(results, family):
-        if result.contender.parameter == parameter and result.contender.edges == "edge":
+        if result.contender.parameter == parameter and result.contender.edge_rule == "edge":
             return result
     return None
 

@@ -31,7 +31,8 @@ from ...reference.terrain import (
 from ...terrain.buffers import DeviceGround
 from ...terrain.domain import displace_on_device
 from ...terrain.hull import hull_on_device
-from ...terrain.lod import CoplanarityLod, MaxErrorLod
+from ...terrain.lod_formulas import CoplanarityLod
+from ...terrain.lod_promises import MaxErrorLod
 from ...terrain.promise import Promise
 from ...terrain.selection import Selection
 from ...terrain.terrain import Terrain

@@ -24,7 +24,7 @@ from ..html import (
     paragraph,
     section,
 )
-from ..page import css_ramp
+from ..template import css_ramp
 from .cases import cameras, grounds, rough_ground
 from .checks import (
     BOUNDS,

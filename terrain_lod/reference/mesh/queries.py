@@ -1,4 +1,4 @@
-"""Heights and rays against a mesh in float64: ``kernels/mesh/surface.cl``.
+"""Heights and rays against a mesh in float64: ``kernels/mesh/queries.cl``.
 
 Every triangle is tried, with barycentric weights from determinants (Möller, Trumbore, "Fast,
 minimum storage ray/triangle intersection", Journal of Graphics Tools 2(1), 1997), whereas the

@@ -25,7 +25,7 @@ _MOST_BINS: Final = 4096  # along a side
 _FLOAT: Final = np.float32(2.0**-22)  # how far a float32 outline may be off its place, relative
 
 
-class Surface:
+class MeshQueries:
     """A mesh that can be asked for heights and rays.
 
     Parameters
@@ -192,10 +192,10 @@ class Surface:
         return ranges
 
     def _kernel(self, name: str) -> Kernel:
-        return self.device.kernel("mesh/surface.cl", name)
+        return self.device.kernel("mesh/queries.cl", name)
 
     def __repr__(self) -> str:
-        return f"Surface({self.mesh!r})"
+        return f"MeshQueries({self.mesh!r})"
 
 
 def _lattice(
