@@ -34,8 +34,8 @@ ROOMS = {
     "checks": "device ground camera tessellation mesh terrain curved reference measure",
     "viewer": """errors arguments paths device ground camera mesh files terrain curved measure
                  drawing""",
-    "reports": """arguments paths device ground camera tessellation mesh terrain reference measure
-                  drawing""",
+    "reports": """arguments paths device ground camera mesh terrain measure drawing
+                  checks""",
     "cli": """errors arguments paths device ground camera tessellation files terrain curved measure
               drawing viewer reports""",
     "__main__": "cli",

@@ -1,0 +1,130 @@
+"""Checks of the kernels of Bézier patches, parametric surfaces and curves."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from ..curved.bezier import bezier
+from ..curved.curves import CURVES, curve
+from ..curved.surfaces import SURFACES, surface
+from ..device.device import Device
+from ..device.layout import FIXED_ONE
+from ..reference.curved import bezier as bezier_reference
+from ..reference.curved import surfaces as reference
+from ..tessellation.tessellator import tessellate
+from .check import Array, Bound, Check, Difference, highest_of
+
+_PLACES: Final = Bound(
+    "points of patches and curves",
+    "units",
+    "2e-6 of the largest coordinate",
+    "sines to 4 ulp, and a dozen products of numbers of that size",
+)
+_DIRECTIONS: Final = Bound(
+    "their normals and tangents",
+    "of length 1",
+    "2e-4",
+    "a cross product of derivatives whose lengths near collapsed edges are a hundredth of others; "
+    "those of the reference are differences of 1e-5",
+)
+
+
+def _bezier(nets: Array, device: Device) -> Iterator[Difference]:
+    found = bezier(nets, factor=6.3, device=device)
+    factors = (np.full((len(nets), width), 6.3) for width in (4, 2))
+    pattern = tessellate("quad", *factors, device=device)
+    patch = np.repeat(np.arange(len(nets)), np.diff(pattern.point_offsets))
+    u, v = pattern.points.T / FIXED_ONE
+    positions, normals = bezier_reference.bezier(nets[patch].astype(np.float64), u, v)
+    yield _PLACES.met_by(found.vertices, positions, 2e-6 * highest_of(positions))
+    yield _DIRECTIONS.met_by(found.normals, normals, 2e-4)
+
+
+def _nets() -> Array:
+    nets = np.random.default_rng(7).normal(size=(6, 4, 4, 3)).astype(np.float32)
+    nets[..., 0] += np.arange(0, 40, 10)[:, None]
+    nets[..., 1] += np.arange(0, 40, 10)
+    nets[0, :, 0] = nets[0, 0, 0]  # an edge in one point
+    return nets
+
+
+BEZIER: Final = Check(
+    _bezier,
+    lambda: {"rough patches": _nets()},
+    lambda: {f"patches times {scale:g}": _nets() * np.float32(scale) for scale in (1e-12, 1e15)},
+)
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A surface or a curve of the tables, and numbers other than its own."""
+
+    name: str
+    numbers: dict[str, Any]
+
+
+def _surface(case: Shape, device: Device) -> Iterator[Difference]:
+    (across, down), factor = (5, 3), 6.3
+    factors = (np.full((across * down, width), factor) for width in (4, 2))
+    pattern = tessellate("quad", *factors, device=device)
+    patch = np.repeat(np.arange(across * down), np.diff(pattern.point_offsets))
+    own_u, own_v = pattern.points.T / FIXED_ONE
+    u, v = (patch % across + own_u) / across, (patch // across + own_v) / down
+    found = surface(case.name, patches=(across, down), factor=factor, device=device, **case.numbers)
+    positions, normals = reference.surface(case.name, u, v, _numbers(SURFACES, case))
+    # differences say nothing at poles, nor where a power below 1 leaves a flat point or edge
+    smooth = ~np.isnan(normals).any(axis=1)
+    if case.name == "superquadric":
+        smooth &= (np.abs(4 * u - np.rint(4 * u)) > 0.01) & (np.abs(2 * v - np.rint(2 * v)) > 0.01)
+    yield _PLACES.met_by(found.vertices, positions, 2e-6 * highest_of(positions))
+    yield _DIRECTIONS.met_by(found.normals[smooth], normals[smooth], 2e-4)
+
+
+def _curve(case: Shape, device: Device) -> Iterator[Difference]:
+    pieces, factor = 6, 20
+    found = curve(case.name, pieces=pieces, factor=factor, device=device, **case.numbers)
+    lines = tessellate("isoline", [[1, factor]], partitioning="integer", device=device)
+    along = lines.points[:, 0] / FIXED_ONE
+    t = [*((piece + place) / pieces for piece in range(pieces) for place in along[:-1]), 1.0]
+    positions, tangents = reference.curve(case.name, np.array(t), _numbers(CURVES, case))
+    yield _PLACES.met_by(found.points, positions, 2e-6 * highest_of(positions))
+    yield _DIRECTIONS.met_by(found.tangents, tangents, 2e-4)
+
+
+def _numbers(table: Any, case: Shape) -> dict[str, Any]:
+    own = {key: number.default for key, number in table[case.name].numbers.items()}
+    return own | case.numbers
+
+
+def _shapes(table: Any) -> dict[str, Shape]:
+    return {name: Shape(name, {}) for name in table}
+
+
+def _others(table: Any) -> dict[str, Shape]:
+    """Return every shape of a table with other numbers, some of them small or far apart."""
+    return {
+        f"{name}, other numbers": Shape(name, numbers)
+        for name, numbers in _OTHER_NUMBERS.items()
+        if name in table
+    }
+
+
+_OTHER_NUMBERS: Final[dict[str, dict[str, Any]]] = {
+    "sphere": {"radius": 3.5},
+    "torus": {"radius": 2.0, "tube": 0.1},
+    "moebius": {"radius": 5.0, "width": 1.0},
+    "klein": {"radius": 3.0, "size": 0.5},
+    "helicoid": {"radius": 0.5, "pitch": 3.0, "turns": 1.5},
+    "seashell": {"turns": 2.5, "growth": 3.0, "tube": 0.3, "height": 0.0},
+    "superquadric": {"radius": 2.0, "along": 1.0, "across": 1.5},
+    "helix": {"radius": 0.2, "pitch": 2.0, "turns": 1.5},
+    "torus_knot": {"radius": 3.0, "tube": 1.0, "p": 5, "q": 7},
+    "lissajous": {"size": 2.0, "x": 1, "y": 1, "z": 2},
+}
+
+SURFACE: Final = Check(_surface, lambda: _shapes(SURFACES), lambda: _others(SURFACES))
+CURVE: Final = Check(_curve, lambda: _shapes(CURVES), lambda: _others(CURVES))
