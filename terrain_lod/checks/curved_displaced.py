@@ -24,6 +24,7 @@ from ..tessellation.pattern import DevicePattern
 from ..tessellation.tessellator import tessellate
 from .check import Bound, Check, Difference
 from .curved_pn import Sheet, hard_sheets, sheets
+from .tessellation import points_alone
 
 _MOVED: Final = Bound(
     "displacement",
@@ -41,10 +42,7 @@ def _displaced(case: Sheet, device: Device) -> Iterator[Difference]:
     third, half = FIXED_ONE // 3, FIXED_ONE // 2
     u = np.tile([third, 0, half, half, FIXED_ONE, 0, 0], patches)
     v = np.tile([third, half, 0, half, 0, FIXED_ONE, 0], patches)
-    offsets = np.arange(0, len(u) + 1, 7, dtype=np.uint32)
-    none = device.zeros((0, 3), np.int32)
-    points = device.array(np.stack([u, v], axis=1).astype(np.uint32))
-    pattern = DevicePattern(points, none, device.array(offsets), none)
+    pattern = points_alone(np.stack([u, v], axis=1), patches, device)
     heights = random.uniform(size=(9, 7)).astype(np.float32)
     textures = random.uniform(-1, 2, (len(mesh.vertices), 2)).astype(np.float32)
     shared = shared_normals(mesh.vertices, mesh.normals)

@@ -33,9 +33,9 @@ from ..device.device import Device
 from ..device.layout import FIXED_ONE
 from ..mesh.mesh import Mesh
 from ..reference.curved import patch_culling, patch_factors, pn, pn_blend
-from ..tessellation.pattern import DevicePattern
 from ..tessellation.semi_uniform import semi_uniform_device
 from .check import Array, Bound, Check, Difference, highest_of, ulp
+from .tessellation import points_alone
 
 
 class Sheet:
@@ -144,13 +144,7 @@ def _domain(case: Sheet, device: Device) -> Iterator[Difference]:
     u = random.integers(0, FIXED_ONE + 1, patches * count)
     v = random.integers(0, FIXED_ONE + 1 - u)
     patch = np.repeat(np.arange(patches), count)
-    none = device.zeros((0, 3), np.int32)
-    pattern = DevicePattern(
-        device.array(np.stack([u, v], axis=1).astype(np.uint32)),
-        none,
-        device.array(np.arange(0, len(u) + 1, count, dtype=np.uint32)),
-        none,
-    )
+    pattern = points_alone(np.stack([u, v], axis=1), patches, device)
     weights = np.stack([u, v, FIXED_ONE - u - v], axis=1) / FIXED_ONE
     found = evaluate_on_device(device.array(case.nets), pattern)
     positions = pn.positions_at(case.controls[patch], weights)

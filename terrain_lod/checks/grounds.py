@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from ..camera.camera import Camera
 from ..device.device import Device
-from ..device.layout import DEFAULT_TILE, FIXED_ONE
+from ..device.layout import DEFAULT_TILE
 from ..ground.grid import TileGrid
 from ..ground.heightmap import Heightmap
 from ..ground.relief import Relief
@@ -68,13 +68,6 @@ class Ground:
     def largest(self) -> Array:
         """Largest x, y and z relative to the origin, for bounds in their last place."""
         return np.array([*self.sum.extent, self.highest])
-
-    def scattered(self, count: int, seed: int) -> tuple[Array, Array, Array]:
-        """Return `count` random points a tile, their patches, and where those of each begin."""
-        total = self.grid.count * count
-        points = np.random.default_rng(seed).integers(0, FIXED_ONE + 1, (total, 2))
-        patch = np.repeat(np.arange(self.grid.count), count)
-        return points.astype(np.uint32), patch, np.arange(0, total + 1, count, dtype=np.uint32)
 
     def crossing_triangles(self, seed: int) -> Mesh:
         """Return triangles of all sizes that cross each other and the raster's border."""

@@ -27,7 +27,7 @@ from ..terrain.lod import (
 )
 from ..terrain.queries import heights_on_device, rays_on_device
 from ..terrain.terrain import Terrain
-from ..tessellation.pattern import DevicePattern
+from ..tessellation.tessellator import tessellate_device
 from .check import Array, Bound, Check, Difference, ulp
 from .grounds import (
     Ground,
@@ -39,6 +39,7 @@ from .grounds import (
     planes_and_details,
     wide_tiles,
 )
+from .tessellation import points_alone
 
 _LODS: Final[tuple[Lod, ...]] = (
     UniformLod(5.5),
@@ -162,10 +163,11 @@ _SHIFT: Final = Bound(
 
 
 def _domain(case: Ground, device: Device) -> Iterator[Difference]:
-    grid = case.grid
-    points, patch, offsets = case.scattered(40, seed=3)
-    none = device.zeros((0, 3), np.int32)
-    pattern = DevicePattern(device.array(points), none, device.array(offsets), none)
+    grid, each = case.grid, 40
+    random = np.random.default_rng(3)
+    points = random.integers(0, FIXED_ONE + 1, (grid.count * each, 2)).astype(np.uint32)
+    patch = np.repeat(np.arange(grid.count), each)
+    pattern = points_alone(points, grid.count, device)
     found = displace_on_device(case.upload(device), grid, pattern)
     positions, normals = domain.displace(case.sum, grid, points, patch)
     # a point in a cell without data has no height
@@ -196,21 +198,13 @@ _KEPT: Final = Bound(
 
 
 def _holes(case: Ground, device: Device) -> Iterator[Difference]:
-    # 6 x 6 points a tile, two triangles a cell between them
-    side, tiles = 6, case.grid.count
-    places = np.linspace(0, FIXED_ONE, side).round().astype(np.uint32)
-    points = np.tile(np.stack(np.meshgrid(places, places), axis=-1).reshape(-1, 2), (tiles, 1))
-    a = (side * np.arange(side - 1)[:, None] + np.arange(side - 1)).ravel()
-    b, c, d = a + 1, a + side, a + side + 1
-    cells = np.concatenate([np.stack([a, c, b], axis=1), np.stack([b, c, d], axis=1)])
-    patch = np.repeat(np.arange(tiles), len(cells))
-    triangles = (np.tile(cells, (tiles, 1)) + side**2 * patch[:, None]).astype(np.int32)
-    pattern = DevicePattern(
-        device.array(points),
-        device.array(triangles),
-        device.array(np.arange(0, len(points) + 1, side**2, dtype=np.uint32)),
-        device.array(np.arange(0, len(triangles) + 1, len(cells), dtype=np.uint32)),
+    # two triangles a cell between 6 x 6 points a tile
+    edge, inside = (
+        device.empty((case.grid.count, width), np.float32).fill(5.0) for width in (4, 2)
     )
+    pattern = tessellate_device("quad", edge, inside, "fractional_odd", clockwise=False)
+    points, triangles = pattern.points.host(), pattern.primitives.host()
+    patch = np.repeat(np.arange(case.grid.count), np.diff(pattern.primitive_offsets.host()))
     found = without_holes_on_device(
         case.upload(device), case.grid, case.upload_analysis(device), pattern
     )

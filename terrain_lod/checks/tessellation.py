@@ -14,6 +14,7 @@ from ..device.layout import FIXED_ONE, PARTITIONINGS
 from ..reference.tessellation import semi_uniform as semi_uniform_reference
 from ..reference.tessellation import tessellator as reference
 from ..tessellation.factors import DOMAINS
+from ..tessellation.pattern import DevicePattern
 from ..tessellation.queues import queues_of
 from ..tessellation.semi_uniform import semi_uniform
 from ..tessellation.tessellator import tessellate
@@ -33,6 +34,13 @@ _AWKWARD: Final = np.array(
         for step in (-(2**-16), -1e-7, 0, 1e-7, 2**-16)
     ]
 )
+
+
+def points_alone(points: Array, patches: int, device: Device) -> DevicePattern:
+    """Return a pattern of (N, 2) `points`, as many in each patch, without triangles."""
+    none, each = device.zeros((0, 3), np.int32), len(points) // patches
+    offsets = np.arange(0, len(points) + 1, each, dtype=np.uint32)
+    return DevicePattern(device.array(points.astype(np.uint32)), none, device.array(offsets), none)
 
 
 @dataclass(frozen=True)

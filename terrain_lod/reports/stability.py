@@ -143,41 +143,33 @@ def verdict(found: list[Finding]) -> str:
     return f"{len(broken)} of {len(found)} bounds are not met, {cases}: {named}."
 
 
+def _entry(each: Finding) -> dict[str, Any]:
+    """Return what both files say of a finding; None for what is not finite."""
+
+    def finite(value: float) -> float | None:
+        return value if math.isfinite(value) else None
+
+    return {
+        "kernel": each.kernel,
+        "case": each.case,
+        "quantity": each.bound.quantity,
+        "difference": finite(each.difference.error),
+        "allowed": finite(each.difference.allowed),
+        "unit": each.bound.unit,
+        "share": finite(each.difference.share),
+        "met": each.difference.is_met,
+    }
+
+
 def _csv(found: list[Finding]) -> str:
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(
-        ["kernel", "case", "quantity", "difference", "allowed", "unit", "share", "bound"]
-    )
-    for each in found:
-        difference, bound = each.difference, each.bound
-        numbers = (difference.error, difference.allowed)
-        writer.writerow(
-            [
-                *(each.kernel, each.case, bound.quantity),
-                *(f"{number:.4g}" for number in numbers),
-                *(bound.unit, f"{difference.share:.4g}", bound.limit),
-            ]
-        )
+    stream, entries = io.StringIO(), [_entry(each) for each in found]
+    writer = csv.DictWriter(stream, entries[0], lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(entries)
     return stream.getvalue()
 
 
 def _json(found: list[Finding], device: Device) -> str:
-    def finite(value: float) -> float | None:
-        return value if math.isfinite(value) else None
-
-    def entry(each: Finding) -> dict[str, Any]:
-        return {
-            "kernel": each.kernel,
-            "case": each.case,
-            "quantity": each.bound.quantity,
-            "difference": finite(each.difference.error),
-            "allowed": finite(each.difference.allowed),
-            "unit": each.bound.unit,
-            "share": finite(each.difference.share),
-            "met": each.difference.is_met,
-        }
-
     content = {
         "format": FORMAT,
         "terrain_lod": version("terrain_lod"),
@@ -186,7 +178,7 @@ def _json(found: list[Finding], device: Device) -> str:
             bound.quantity: {"bound": bound.limit, "reason": bound.reason}
             for bound in _bounds(found)
         },
-        "findings": [entry(each) for each in found],
+        "findings": [_entry(each) for each in found],
         "verdict": verdict(found),
     }
     return json.dumps(content, indent=2, allow_nan=False) + "\n"

@@ -14,7 +14,7 @@ from terrain_lod.reports import stability
 from terrain_lod.reports.stability import Finding, verdict, write_stability
 
 METRES = Bound("height", "m", "a tenth of a metre", "for tests")
-FEW = ("terrain/control_points", "terrain/holes", "common/scan", "curved/decals")
+FEW = ("terrain/control_points", "common/scan", "curved/decals")
 
 
 @pytest.fixture
