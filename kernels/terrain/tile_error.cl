@@ -38,7 +38,7 @@ inline Box box_of(const float4 a, const float4 b, const float4 c)
 inline Real rounding_of_places(Real x1, Real y1, Real z1, Real x2, Real y2, Real z2, Real inverse,
                                float cells)
 {
-    // sides become small first: products with heights near the end of float32 are none of its numbers
+    // sides become small first: their products with heights near the end of float32 would overflow
     const Real unit = inverse * (1.2e-7f * cells);
     x1 *= unit, y1 *= unit, x2 *= unit, y2 *= unit;
     const Real moved = ABSOLUTE(z1 * y2 - z2 * y1) + ABSOLUTE(x1 * z2 - x2 * z1);
