@@ -25,6 +25,7 @@ TITLES = {
     "reports": ("Reports", "Levels of detail, compared on paper."),
     "tessellation": ("Tessellation", "From factors to patterns of points and triangles."),
     "curved": ("Curved meshes", "Any mesh, curved, displaced, or made of patches and formulas."),
+    "numbered": ("Numbers of formulas", "What a number may be, and how people are asked for it."),
     "device": ("Devices", "Where kernels run."),
     "errors": ("Errors", "Everything that is raised on purpose."),
 }

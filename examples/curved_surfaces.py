@@ -17,7 +17,7 @@ def seen(mesh: tl.Mesh) -> np.ndarray:
     middle, size = (low + high) / 2, np.linalg.norm(high - low)
     eye = middle + size * np.array([0.4, -0.8, 0.55])
     camera = tl.Camera(tuple(eye.tolist()), tuple(middle.tolist()), fov=45, size=(360, 300))
-    return render(mesh, camera, style="plain", sun=(215.0, 45.0), edges=True)
+    return tl.render(mesh, camera=camera, style="plain", sun=(215.0, 45.0), wireframe=True)
 
 
 # 24 bicubic patches of our own; any .bpt file of the Utah teapot does as well

@@ -5,7 +5,6 @@ Real ground, a camera, and a mesh that is off by at most a pixel, measured.
 """
 
 import terrain_lod as tl
-from terrain_lod.drawing.render import render
 
 ground = tl.sample("jacksboro")  # or tl.load("dem.tif")
 terrain = tl.Terrain(ground)
@@ -17,4 +16,4 @@ print(tl.vertical_error(mesh, ground))
 print(tl.screen_error(mesh, ground, camera))
 print(tl.crack_report(mesh))
 mesh.save("jacksboro.glb")
-render(mesh, camera, "jacksboro.png")
+tl.render(mesh, "jacksboro.png", camera=camera)

@@ -7,7 +7,6 @@ Any array is ground: here a function on a grid, with a hole in it, within a cent
 import numpy as np
 
 import terrain_lod as tl
-from terrain_lod.drawing.render import render
 
 y, x = np.mgrid[-3:3:401j, -3:3:401j]
 radius = np.hypot(x, y)
@@ -21,4 +20,5 @@ for metres in (0.01, 0.1, 1.0):
     error = tl.vertical_error(mesh, ground)
     print(f"asked {metres} m, got {error.maximum:.4f} m from {len(mesh.triangles)} triangles")
 mesh.save("ripples.ply")
-render(mesh, tl.default_camera(ground, size=(1280, 720)), "ripples.png", edges=True)
+camera = tl.default_camera(ground, size=(1280, 720))
+tl.render(mesh, "ripples.png", camera=camera, wireframe=True)

@@ -11,13 +11,13 @@ from terrain_lod.checks.curved_pn import check_factor
 
 HERE = Path(__file__).parent
 
-EGG = tl.ParametricSurface(
+EGG = tl.curved.ParametricSurface(
     HERE / "egg.h", {"radius": tl.Number(1.0), "height": tl.Number(1.4)}, closed="u"
 )
 
 
 @dataclass(frozen=True)
-class UprightFactor(tl.EdgeFactor):
+class UprightFactor(tl.curved.EdgeFactor):
     """More segments along edges that stand upright."""
 
     most: float = tl.number(9.0, low=1, high=64, unit="segments", help="of an upright edge")
@@ -40,7 +40,7 @@ if __name__ == "__main__":
         print(f"off by {check.error:.1g} {unit}, {check.allowed:g} is rounding")
         assert check.is_met
 
-    mesh = tl.surface(EGG, patches=(8, 4), factor=3, height=2.0)
+    mesh = tl.curved.surface(EGG, patches=(8, 4), factor=3, height=2.0)
     smooth = tl.pn_triangles(mesh, lod=UprightFactor(most=5))
     print(f"{mesh}, curved {smooth}: {tl.crack_report(smooth)}")
     smooth.save("egg.glb")

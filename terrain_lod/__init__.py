@@ -72,7 +72,6 @@ __all__ = [
     "DeviceError",
     "DeviceMemoryError",
     "DistanceLod",
-    "EdgeFactor",
     "FileError",
     "GraphicsError",
     "Heightmap",

@@ -52,7 +52,8 @@ def test_python_of_a_page_runs_and_prints_what_it_says(
     if "render(" in "".join(code) and graphics_problem():
         pytest.skip(f"3-D pictures cannot be drawn here: {graphics_problem()}")
     monkeypatch.chdir(tmp_path)
-    names: dict[str, object] = {}
+    # where the files lie that pages speak of
+    names: dict[str, object] = {"__file__": str(PROJECT / "examples" / "example.py")}
     for block in code:
         exec(compile(block, name_of(page), "exec"), names)
     printed = capsys.readouterr().out.splitlines()

@@ -75,7 +75,7 @@ def smooth(
     for option, value in vars(view).items():
         if value is not None and not formula.needs_camera:
             raise InputError(
-                f"expected a --lod that looks through --{option}, got {type(formula).__name__}"
+                f"expected a --lod that looks through --{option}, got {detail.lod or 'uniform'}"
             )
     source = _load(mesh)
     camera = view.instead_of(camera_around(source.vertices, source.origin))

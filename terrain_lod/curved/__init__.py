@@ -13,7 +13,7 @@ from ..files.meshes.bpt import load_bpt, save_bpt
 from .bezier import bezier
 from .creases import split_at_creases
 from .curved_mesh import CurvedMesh
-from .curves import Polyline, curve
+from .curves import ParametricCurve, Polyline, curve
 from .decals import Decal, dent, shoot
 from .displaced_maps import variation_factors
 from .patch_factors import (
@@ -25,7 +25,7 @@ from .patch_factors import (
     SilhouetteFactor,
     UniformFactor,
 )
-from .surfaces import surface
+from .surfaces import ParametricSurface, surface
 
 __all__ = [
     "CurvatureFactor",
@@ -35,6 +35,8 @@ __all__ = [
     "EdgeFactor",
     "LengthFactor",
     "OrientationFactor",
+    "ParametricCurve",
+    "ParametricSurface",
     "Polyline",
     "SilhouetteFactor",
     "UniformFactor",

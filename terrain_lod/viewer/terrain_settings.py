@@ -62,7 +62,7 @@ class TerrainSettings(Settings):
         return (
             Choice("mode", "m", MODES),
             Choice("lod", "l", tuple(self.formulas), "level of detail"),
-            Choice("edges", "e", ("edge", "min", "max"), "factor of shared edges"),
+            Choice("edge_rule", "e", ("edge", "min", "max"), "factor of shared edges"),
             *SHARED,
         )
 

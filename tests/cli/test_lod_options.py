@@ -20,6 +20,7 @@ from terrain_lod.terrain.lods import LODS
 needs_graphics = pytest.mark.skipif(
     graphics_problem() is not None, reason=f"no 3-D pictures tested: {graphics_problem()}"
 )
+pytestmark = pytest.mark.filterwarnings("ignore:.*how far apart its samples are")
 SMALL = ["--size", "96x64"]
 
 

@@ -39,10 +39,10 @@ inline Bead curve(Parameter t, __global const float *shape)
 
 
 @pytest.fixture
-def egg(tmp_path: Path) -> tl.ParametricSurface:
+def egg(tmp_path: Path) -> tl.curved.ParametricSurface:
     (tmp_path / "egg.h").write_text(EGG)
     numbers = {"radius": tl.Number(1.0), "height": tl.Number(1.4, low=0.5, high=3.0)}
-    return tl.ParametricSurface(tmp_path / "egg.h", numbers, closed="u")
+    return tl.curved.ParametricSurface(tmp_path / "egg.h", numbers, closed="u")
 
 
 def egg_reference(u, v, n):
@@ -53,7 +53,7 @@ def egg_reference(u, v, n):
 
 def test_a_surface_of_ones_own_is_its_reference_and_closed(egg) -> None:
     assert check_shape(egg, egg_reference).is_met
-    mesh = tl.surface(egg, patches=(8, 4), factor=3, height=2.0)
+    mesh = tl.curved.surface(egg, patches=(8, 4), factor=3, height=2.0)
     assert np.ptp(mesh.vertices[:, 2]) == pytest.approx(4.0)
     assert not tl.crack_report(mesh)
 
@@ -65,8 +65,8 @@ def test_a_wrong_reference_is_found_out(egg) -> None:
 
 def test_a_curve_of_ones_own(tmp_path: Path) -> None:
     (tmp_path / "line.h").write_text(LINE)
-    line = tl.ParametricCurve(tmp_path / "line.h", {"length": tl.Number(2.0)})
-    made = tl.curve(line, pieces=2, factor=4, length=8.0)
+    line = tl.curved.ParametricCurve(tmp_path / "line.h", {"length": tl.Number(2.0)})
+    made = tl.curved.curve(line, pieces=2, factor=4, partitioning="integer", length=8.0)
     np.testing.assert_allclose(made.points[:, 0], np.arange(9))
     assert not made.closed
 
@@ -75,7 +75,7 @@ def test_a_factor_of_ones_own_is_its_reference(tmp_path: Path) -> None:
     write_formulas(tmp_path)
 
     @dataclass(frozen=True)
-    class TiltFactor(tl.EdgeFactor):
+    class TiltFactor(tl.curved.EdgeFactor):
         most: float = 9.0
         header = tmp_path / "tilt.h"
         needs_camera = False
@@ -92,31 +92,47 @@ def test_a_factor_of_ones_own_is_its_reference(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("make", "error", "message"),
     [
-        (lambda egg: tl.surface(5), tl.InputError, "surface's name or a ParametricSurface, got 5"),
-        (lambda egg: tl.surface(egg.header), tl.InputError, "surface's name or a Parametric"),
-        (lambda egg: tl.surface(egg, tube=1), tl.InputError, "unknown tube= for egg: expected rad"),
-        (lambda egg: tl.surface(egg, height=4), tl.InputError, "height from 0.5 to 3, got 4"),
         (
-            lambda egg: tl.ParametricSurface(egg.header, {}, closed="w"),
+            lambda egg: tl.curved.surface(5),
+            tl.InputError,
+            "surface's name or a ParametricSurface, got 5",
+        ),
+        (
+            lambda egg: tl.curved.surface(egg.header),
+            tl.InputError,
+            "surface's name or a Parametric",
+        ),
+        (
+            lambda egg: tl.curved.surface(egg, tube=1),
+            tl.InputError,
+            "unknown tube= for egg: expected rad",
+        ),
+        (
+            lambda egg: tl.curved.surface(egg, height=4),
+            tl.InputError,
+            "height from 0.5 to 3, got 4",
+        ),
+        (
+            lambda egg: tl.curved.ParametricSurface(egg.header, {}, closed="w"),
             tl.InputError,
             "closed to be '', 'u', 'v' or 'uv', got 'w'",
         ),
         (
-            lambda egg: tl.ParametricSurface(egg.header, {}, twisted=True),
+            lambda egg: tl.curved.ParametricSurface(egg.header, {}, twisted=True),
             tl.InputError,
             "twisted surface to be closed in u",
         ),
         (
-            lambda egg: tl.ParametricSurface(egg.header, {"factor": tl.Number(1.0)}),
+            lambda egg: tl.curved.ParametricSurface(egg.header, {"factor": tl.Number(1.0)}),
             tl.InputError,
             "factor is taken",
         ),
         (
-            lambda egg: tl.surface(tl.ParametricSurface(Path("no.h"), {})),
+            lambda egg: tl.curved.surface(tl.curved.ParametricSurface(Path("no.h"), {})),
             tl.FileError,
             "expected a header at no.h",
         ),
-        (lambda egg: tl.curve(5), tl.InputError, "curve's name or a ParametricCurve, got 5"),
+        (lambda egg: tl.curved.curve(5), tl.InputError, "curve's name or a ParametricCurve, got 5"),
     ],
 )
 def test_bad_shapes_are_refused_in_one_line(egg, make, error, message) -> None:

@@ -45,7 +45,7 @@ class SlopeLod(tl.Lod):
 
 
 @dataclass(frozen=True)
-class TiltFactor(tl.EdgeFactor):
+class TiltFactor(tl.curved.EdgeFactor):
     \"\"\"More along upright edges.\"\"\"
 
     most: float = tl.number(9.0, low=1, high=64, help="of an upright edge")

@@ -93,7 +93,7 @@ NONE = (
     0,
     "screen-error",
     tl.UniformLod,
-    tl.UniformFactor(3),
+    tl.curved.UniformFactor(3),
     object,
     GROUND,
     [tl.UniformLod(1)],
@@ -115,7 +115,7 @@ def test_what_is_no_level_of_detail_is_refused_in_one_line(value: object, tmp_pa
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize("value", [5, "length", tl.UniformLod(3), tl.UniformFactor], ids=str)
+@pytest.mark.parametrize("value", [5, "length", tl.UniformLod(3), tl.curved.UniformFactor], ids=str)
 def test_what_is_no_formula_for_edges_is_refused_in_one_line(value: object) -> None:
     mesh = cube()
     textures = np.zeros((len(mesh.vertices), 2))
@@ -141,7 +141,9 @@ def test_weights_are_not_weighed() -> None:
         tl.Weighted(tl.Weighted(tl.UniformLod(3)))
 
 
-@pytest.mark.parametrize("kind", [*LODS.values(), tl.LengthFactor, tl.CurvatureFactor], ids=str)
+@pytest.mark.parametrize(
+    "kind", [*LODS.values(), tl.curved.LengthFactor, tl.curved.CurvatureFactor], ids=str
+)
 @pytest.mark.parametrize("value", ["1", b"1", np.nan, np.inf, [], print, -1, 1j], ids=repr)
 def test_no_number_is_taken_that_is_none(kind, value) -> None:
     required = [each.name for each in fields(kind) if each.default is MISSING]

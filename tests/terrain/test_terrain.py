@@ -48,10 +48,10 @@ def assert_edges_are_bit_equal(mesh: tl.Mesh, ground: tl.Heightmap) -> None:
     for row, column in np.argwhere(drawn):
         patch = row * columns + column
         if column + 1 < columns and drawn[row, column + 1]:
-            x = (column + 1) * patches.tile * dx
+            x = patches.grid.corner_columns[column + 1] * dx
             assert_same(on_edge(patch, 0, x), on_edge(patch + 1, 0, x))
         if row + 1 < rows and drawn[row + 1, column]:
-            y = -(row + 1) * patches.tile * dy
+            y = -patches.grid.corner_rows[row + 1] * dy
             assert_same(on_edge(patch, 1, y), on_edge(patch + columns, 1, y))
 
 

@@ -103,7 +103,7 @@ def test_weights_of_one_change_nothing() -> None:
     [
         (lambda: tl.Weighted(tl.DistanceLod(), horizon=0.5), "horizon >= 1, got 0.5"),
         (lambda: tl.Weighted(tl.DistanceLod(), silhouette=float("nan")), "finite silhouette"),
-        (lambda: tl.Weighted("distance"), "level of detail to weigh, got 'distance'"),
+        (lambda: tl.Weighted("distance"), "expected a level of detail, such as .*, got 'distance'"),
         (lambda: tl.Terrain(rough()).mesh(lod=tl.Weighted(tl.UniformLod(3))), "needs a camera"),
     ],
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import os
 from pathlib import Path
 from typing import Any, Final
 
@@ -62,7 +63,7 @@ def load_mesh(path: str | Path) -> Mesh:
         If a package is needed to read it that is not installed; the message names the extra.
     """
     path = Path(path)
-    if not path.is_file():
+    if not os.path.isfile(path):  # as Path.is_file, but a name may be too long
         raise FileError(f"expected a mesh file, got none at {path}")
     raw = read(path)
     for note in raw.notes:
