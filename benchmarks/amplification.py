@@ -4,7 +4,7 @@
 
 One cube, twenty cubes, a character of about 2,000 triangles and twenty of it, each copy turned and
 placed on its own, at every odd level, in each of the ways of
-``terrain_lod.curved.amplify``. Prints device times of a frame (medians of interleaved rounds) and
+``amplify/ways.py``. Prints device times of a frame (medians of interleaved rounds) and
 bytes, says which way wins where, and checks the finding that stored triangles need about 200 times
 the memory at level 11; draws it all.
 """
@@ -19,16 +19,11 @@ from pathlib import Path
 from statistics import median
 
 import numpy as np
+from amplify.ways import WAYS, Amplifier, Scene, triangles_of
 from character import character
 
 import terrain_lod as tl
 from measure import interleaved
-from terrain_lod.curved.amplify import (
-    WAYS,
-    Amplifier,
-    Scene,
-    triangles_of,
-)
 
 LEVELS = tuple(range(1, 16, 2))
 # what the thesis calls them, and how they are drawn

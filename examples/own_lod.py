@@ -32,8 +32,8 @@ def slope(patch, parameters):
 
 if __name__ == "__main__":
     check = check_lod(SlopeLod(), slope)
-    print(f"off by {check.error:.1g} of a segment, {check.bound:g} is rounding")
-    assert check.error <= check.bound
+    print(f"off by {check.error:.1g} of a segment, {check.allowed:g} is rounding")
+    assert check.is_met
 
     ground = tl.sample("ridge")
     terrain = tl.Terrain(ground)

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 
 import terrain_lod as tl
-from terrain_lod.checks.pn import check_factor
-from terrain_lod.checks.surfaces import check_shape
+from terrain_lod.checks.curved import check_shape
+from terrain_lod.checks.curved_pn import check_factor
 
 HERE = Path(__file__).parent
 
@@ -36,8 +36,9 @@ def upright(edge, view, parameters):
 
 if __name__ == "__main__":
     for check in (check_shape(EGG, egg), check_factor(UprightFactor(), upright)):
-        print(f"off by {check.error:.1g} {check.unit}, {check.bound:g} is rounding")
-        assert check.error <= check.bound
+        unit = check.bound.unit
+        print(f"off by {check.error:.1g} {unit}, {check.allowed:g} is rounding")
+        assert check.is_met
 
     mesh = tl.curved.surface(EGG, patches=(8, 4), factor=3, height=2.0)
     smooth = tl.pn_triangles(mesh, lod=UprightFactor(most=5))

@@ -38,8 +38,8 @@ ROOMS = {
                  measure""",
     "viewer": """errors arguments paths numbered device ground camera mesh files terrain curved
                  measure drawing""",
-    "reports": """errors arguments paths numbered device ground camera tessellation mesh terrain
-                  reference measure drawing""",
+    "reports": """errors arguments paths numbered device ground camera mesh terrain measure drawing
+                  checks""",
     "cli": """interrupts errors arguments paths numbered device ground camera tessellation mesh
               files terrain curved measure drawing viewer reports""",
     "__main__": "cli",

@@ -67,7 +67,15 @@ inline float height_at(const Samples tile, int row, int column)
 #endif
 #include "terrain/analysis_any.h"
 
-// phase 3 as the book has it: the mean of the four corners' unit normals
+// how much a corner's unit normal points up; of slopes a cell, in scaled heights
+inline float upward(const Samples tile, Grid grid, float slope_x, float slope_y)
+{
+    // a step whose scaled length is infinite leaves tiny heights level
+    return normalize((float3)(slope_x / (grid.dx * tile.scale), slope_y / (grid.dy * tile.scale),
+                              1.0f)).z;
+}
+
+// phase 3 as the book has it: the mean of the four corners' unit normals, each across its two edges
 inline Plane corner_plane(const Samples tile, Grid grid, float height)
 {
     const int bottom = tile.rows - 1, right = tile.columns - 1;
@@ -75,14 +83,14 @@ inline Plane corner_plane(const Samples tile, Grid grid, float height)
     const float ne = height_at(tile, 0, right) * tile.scale;
     const float sw = height_at(tile, bottom, 0) * tile.scale;
     const float se = height_at(tile, bottom, right) * tile.scale;
-    const float across = right * grid.dx * tile.scale, down = bottom * grid.dy * tile.scale;
-    // each corner's normal is across its two edges; x east, y south
-    const float3 normal = normalize((float3)((nw - ne) / across, (nw - sw) / down, 1.0f))
-                        + normalize((float3)((nw - ne) / across, (ne - se) / down, 1.0f))
-                        + normalize((float3)((sw - se) / across, (nw - sw) / down, 1.0f))
-                        + normalize((float3)((sw - se) / across, (ne - se) / down, 1.0f));
-    Plane plane = {height, -normal.x / normal.z * (grid.dx * tile.scale),
-                   -normal.y / normal.z * (grid.dy * tile.scale)};
+    const float north = (ne - nw) / right, south = (se - sw) / right;
+    const float west = (sw - nw) / bottom, east = (se - ne) / bottom;
+    // its slope is that of the corners' normals, by how much each of them points up
+    const float4 up = (float4)(upward(tile, grid, north, west), upward(tile, grid, north, east),
+                               upward(tile, grid, south, west), upward(tile, grid, south, east));
+    const float sum = up.x + up.y + up.z + up.w;
+    Plane plane = {height, (north * (up.x + up.y) + south * (up.z + up.w)) / sum,
+                   (west * (up.x + up.z) + east * (up.y + up.w)) / sum};
     return plane;
 }
 

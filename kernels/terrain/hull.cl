@@ -30,8 +30,10 @@ inline float3 midpoint(__global const float4 *control_points, __global const int
     const float4 corner[4] = {
         control_points[indices[CORNERS[side][0]]], control_points[indices[CORNERS[side][1]]],
         control_points[indices[CORNERS[side][2]]], control_points[indices[CORNERS[side][3]]]};
-    const float4 sum = ((corner[0] + corner[1]) + corner[2]) + corner[3];
-    return sum.xyz * 0.25f;
+    // quarters first, which are exact: a sum may overflow
+    const float4 mean = ((0.25f * corner[0] + 0.25f * corner[1]) + 0.25f * corner[2])
+                      + 0.25f * corner[3];
+    return mean.xyz;
 }
 
 inline Patch look_at(Grid grid, int patch, int side,

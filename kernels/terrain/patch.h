@@ -26,7 +26,10 @@ inline float distance_to_eye(const Patch patch, const View view)
     const float x = patch.midpoint.x - view.eye[0];
     const float y = patch.midpoint.y - view.eye[1];
     const float z = patch.midpoint.z - view.eye[2];
-    return sqrt(x * x + y * y + z * z);
+    // squares of more would overflow; a power of two changes no bit
+    const float unit = fmax(fmax(fabs(x), fabs(y)), fabs(z)) > 1e18f ? 0x1p-66f : 1.0f;
+    const float u = x * unit, v = y * unit, w = z * unit;
+    return sqrt(u * u + v * v + w * w) / unit;
 }
 
 // 1 at the near distance and before, 0 at the far one and beyond

@@ -43,10 +43,12 @@ inline Box box_of(const float4 a, const float4 b, const float4 c)
 inline Real rounding_of_places(Real x1, Real y1, Real z1, Real x2, Real y2, Real z2, Real inverse,
                                float cells)
 {
-    const Real rise = ABSOLUTE(z1 * y2 - z2 * y1) + ABSOLUTE(x1 * z2 - x2 * z1);
+    // sides become small first: their products with heights near the end of float32 would overflow
+    const Real unit = inverse * (1.2e-7f * cells);
+    x1 *= unit, y1 *= unit, x2 *= unit, y2 *= unit;
+    const Real moved = ABSOLUTE(z1 * y2 - z2 * y1) + ABSOLUTE(x1 * z2 - x2 * z1);
     const Real taller = LARGER(ABSOLUTE(z1), ABSOLUTE(z2)), across = ABSOLUTE(z2 - z1);
     const Real tallest = LARGER(taller, across);
-    const Real moved = rise * ABSOLUTE(inverse) * (1.2e-7f * cells);
     return SMALLER(moved, tallest);
 }
 
@@ -103,7 +105,7 @@ inline Real triangle_errors(const TileSamples samples, const Triangles *t, const
         }
     // a triangle without an area is in others
     error = area == 0.0f ? (Real)0.0f : error;
-    const Real slack = rounding * (error + ABSOLUTE(rise1) + ABSOLUTE(rise2));
+    const Real slack = rounding * error + rounding * ABSOLUTE(rise1) + rounding * ABSOLUTE(rise2);
     const Real moved = off_samples * rounding_of_places(x1, y1, rise1, x2, y2, rise2, inverse, cells);
     // a few roundings more: what is stated bounds what others measure; no error is no error
     const Real bound = (error + slack) * (1.0f + 1e-6f) + moved;

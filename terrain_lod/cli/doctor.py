@@ -22,7 +22,7 @@ from .output import complain, say, say_table
 CHECKS: Final = "terrain_lod.checks.table"
 TIMEOUT: Final = 120.0
 
-_COLUMNS: Final = ("kernel", "worst difference", "bound", "time", "verdict")
+_COLUMNS: Final = ("kernel", "nearest to its bound", "difference", "bound", "time", "verdict")
 
 
 @dataclass(frozen=True)
@@ -32,9 +32,11 @@ class Finding:
     Attributes
     ----------
     kernel : str
-        Stem of its file.
+        Its file, without its ending.
+    quantity : str
+        What is nearest to its bound of all that it computes.
     error, bound : float
-        Worst difference from the float64 reference, and the largest that rounding explains.
+        Its difference from the float64 reference, and the largest that rounding explains there.
     unit : str
     seconds : float
         Of device time.
@@ -43,6 +45,7 @@ class Finding:
     """
 
     kernel: str
+    quantity: str = ""
     error: float = math.nan
     bound: float = math.nan
     unit: str = ""
@@ -57,9 +60,10 @@ class Finding:
     def row(self) -> tuple[str, ...]:
         """Cells for a table."""
         if self.problem:
-            return self.kernel, "", "", "", self.problem
+            return self.kernel, "", "", "", "", self.problem
         return (
             self.kernel,
+            self.quantity,
             f"{self.error:.2g} {self.unit}",
             f"{self.bound:.2g} {self.unit}",
             "" if math.isnan(self.seconds) else f"{self.seconds * 1e3:.2f} ms",

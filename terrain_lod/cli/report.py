@@ -168,7 +168,7 @@ def _write_comparison(
 
 
 def _write_stability(output: Path, terrain: TerrainOptions) -> None:
-    from ..reports.stability.stability import write_stability
+    from ..reports.stability import write_stability
 
     with progress_bar("hard cases") as progress:
         made = write_stability(output, device=terrain.open(), progress=progress)

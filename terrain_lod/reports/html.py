@@ -78,13 +78,17 @@ def table(columns: Sequence[str], rows: Iterable[Row]) -> str:
     return "\n".join([*lines, "</tbody></table></div>"])
 
 
+class Strong(str):
+    """A text of a listing that is set in bold."""
+
+
 def listing(heads: Sequence[str], lines: Iterable[Sequence[str]], *, words: int = 1) -> str:
     """Return lines of texts under their heads; all but the first `words` columns are numbers."""
 
     def cells(tag: str, texts: Sequence[str], more: str = "") -> str:
         looks = [""] * words + [' class="n"'] * (len(texts) - words)
         return "".join(
-            f"<{tag}{look}{more}>{escape(text)}</{tag}>"
+            f"<{tag}{look}{more}>{_set(text)}</{tag}>"
             for look, text in zip(looks, texts, strict=True)
         )
 
@@ -97,6 +101,10 @@ def listing(heads: Sequence[str], lines: Iterable[Sequence[str]], *, words: int 
             *("<tbody>", *rows, "</tbody></table></div>"),
         ]
     )
+
+
+def _set(text: str) -> str:
+    return f"<b>{escape(text)}</b>" if isinstance(text, Strong) else escape(text)
 
 
 def definitions(pairs: Iterable[tuple[str, str]]) -> str:

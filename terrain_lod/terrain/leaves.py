@@ -263,33 +263,36 @@ class Leaves:
         )
         self.sides = Sides(offsets, places)
 
+    def choose(self) -> None:
+        """Find the cheapest inside of each leaf that changed, beside its sides."""
+        self._run(
+            "leaf_fit.cl",
+            "fit_leaves",
+            self.count,
+            **self.tree.arguments,
+            **self._states,
+            order=self.tree.order,
+            errors=self.tree.errors,
+            inner_errors=self.tree.inner_errors,
+            allowed=self._marks.allowed,
+            count=self.count,
+            leaves=self._leaves,
+            shares=self._shares,
+            side_offsets=self.sides.offsets,
+            side_places=self.sides.places,
+            changed=self._changed,
+            inside_factors=self.factors.inside,
+            unmeasured=self._unmeasured,
+            failed=self._failed,
+        )
+        self._changed.fill(0)
+
     def fit(self) -> None:
-        """Find sides and insides that hold, and split leaves until all have some."""
-        while True:
-            self._run(
-                "leaf_fit.cl",
-                "fit_leaves",
-                self.count,
-                **self.tree.arguments,
-                **self._states,
-                order=self.tree.order,
-                errors=self.tree.errors,
-                inner_errors=self.tree.inner_errors,
-                allowed=self._marks.allowed,
-                count=self.count,
-                leaves=self._leaves,
-                shares=self._shares,
-                side_offsets=self.sides.offsets,
-                side_places=self.sides.places,
-                changed=self._changed,
-                inside_factors=self.factors.inside,
-                unmeasured=self._unmeasured,
-                failed=self._failed,
-            )
-            self._changed.fill(0)
-            if not self._split():
-                return
+        """Find insides that hold, and split leaves until all have some."""
+        self.choose()
+        while self._split():
             self._lay_sides()
+            self.choose()
 
     def _split(self) -> bool:
         """Put the children of failed leaves behind the others; say whether there were any."""

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import logging
+import re
 import sys
-from pathlib import Path
 
 import pytest
 
@@ -12,7 +12,6 @@ from terrain_lod.checks.table import CHECKS
 from terrain_lod.cli import doctor
 from terrain_lod.cli.doctor import Finding, examine, run_doctor
 from terrain_lod.device.drivers import devices
-from terrain_lod.device.sources import KERNELS
 
 BAD = "support.doctor_checks"
 
@@ -26,19 +25,6 @@ def verdicts(*kernels: str, checks: str = BAD, timeout: float = 100.0) -> list[s
     findings = examine(0, kernels, checks=checks, timeout=timeout)
     assert [finding.kernel for finding in findings] == list(kernels)
     return [finding.row[-1] for finding in findings]
-
-
-def test_every_kernel_file_has_a_check() -> None:
-    root = Path(str(KERNELS))
-    files = {file.relative_to(root).with_suffix("").as_posix() for file in root.rglob("*.cl")}
-    assert files == set(CHECKS)
-
-
-@pytest.mark.parametrize("number", range(len(devices())))
-def test_every_kernel_is_sound_here(number: int) -> None:
-    findings = examine(number, list(CHECKS))
-    assert [finding for finding in findings if not finding.sound] == []
-    assert all(finding.seconds > 0 for finding in findings)
 
 
 def test_differences_are_held_against_their_bounds() -> None:
@@ -78,11 +64,15 @@ def test_a_device_that_does_not_open_says_why() -> None:
     assert "unknown device '99'" in finding.problem
 
 
-def test_the_doctor_says_which_device_to_use(capsys: pytest.CaptureFixture[str]) -> None:
+def test_every_kernel_is_sound_here_and_the_doctor_says_which_device_to_use(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     assert run_doctor() == 0
     said = capsys.readouterr().out
     assert f"use 0: {devices()[0].name} (the default)" in said
-    assert all(kernel in said for kernel in CHECKS)
+    for kernel in CHECKS:
+        rows = re.findall(rf"^ *{kernel} .* ms +(\w+) *$", said, re.MULTILINE)
+        assert rows == ["sound"] * len(devices()), kernel
 
 
 def test_a_later_device_is_chosen_by_its_number(capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,4 +1,4 @@
-"""Every kernel on hard ground and for hard cameras keeps the bound that the report states."""
+"""The report of the hard cases: every case is in it with its bound, and what is broken named."""
 
 from __future__ import annotations
 
@@ -8,66 +8,38 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import terrain_lod as tl
-from terrain_lod.reports.stability.cases import cameras, grounds, rough_ground
-from terrain_lod.reports.stability.checks import (
-    BOUNDS,
-    OnGround,
-    camera_findings,
-    finding,
-)
-from terrain_lod.reports.stability.stability import verdict, write_stability
+from terrain_lod.checks.check import Bound, Check
+from terrain_lod.checks.table import CHECKS
+from terrain_lod.reports import stability
+from terrain_lod.reports.stability import Finding, verdict, write_stability
 
-pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning:terrain_lod.reference")
+METRES = Bound("height", "m", "a tenth of a metre", "for tests")
+FEW = ("terrain/control_points", "common/scan", "curved/decals")
 
 
-@pytest.mark.parametrize("name", grounds())
-def test_ground(name: str) -> None:
-    found = list(OnGround(name, grounds()[name], tl.Device.open()).findings())
-    assert {each.quantity for each in found} == BOUNDS.keys() - {"factors", "allowed error"}
-    assert [each for each in found if not each.is_met] == []
+@pytest.fixture
+def few(monkeypatch: pytest.MonkeyPatch) -> dict[str, Check]:
+    """The checks of some kernels, which take no time."""
+    checks = {kernel: CHECKS[kernel] for kernel in FEW}
+    monkeypatch.setattr(stability, "CHECKS", checks)
+    return checks
 
 
-@pytest.mark.parametrize("name", cameras(rough_ground()))
-def test_camera(name: str) -> None:
-    ground = rough_ground()
-    camera = cameras(ground)[name]
-    found = list(camera_findings(name, ground, camera, tl.Device.open()))
-    assert [each for each in found if not each.is_met] == []
-    mesh = tl.Terrain(ground).mesh(camera, lod=tl.ScreenErrorLod(1.0))
-    assert np.isfinite(mesh.vertices).all()
-    assert np.isfinite(mesh.normals).all()
-    assert not tl.screen_error(mesh, ground, camera).maximum > 1.0
-
-
-def test_a_difference_is_found() -> None:
-    # the tests above mean something only if they can fail
-    expected = np.array([1.0, 2.0, np.nan])
-    off = finding("", "deviation", expected + np.array([0, 1e-3, 0]), expected, 2.0, 1e-4)
-    assert not off.is_met
-    assert off.share == pytest.approx(10)
-    assert off.relative == pytest.approx(5e-4)
-    for wrong in (np.nan, np.inf):
-        found = finding("", "deviation", np.array([wrong]), np.array([1.0]), 1.0, 1e9)
-        assert not found.is_met
-        assert found.error == np.inf
-    assert not finding("", "deviation", np.zeros(1), np.array([np.nan]), 1.0, 1e9).is_met
-    assert finding("", "deviation", expected, expected, 0.0, 0.0).is_met
-
-
-def test_report(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    few = {name: grounds()[name] for name in ("one spike", "2 × 2 samples")}
-    monkeypatch.setattr("terrain_lod.reports.stability.stability.grounds", lambda: few)
+def test_report(tmp_path: Path, few: dict[str, Check]) -> None:
     steps: list[tuple[int, int]] = []
     made = write_stability(tmp_path, progress=lambda done, total: steps.append((done, total)))
-    assert steps[-1] == (len(few) + len(cameras(rough_ground())),) * 2
+    assert steps[-1] == (sum(len(check.cases) for check in few.values()),) * 2
+    assert {(each.kernel, each.case) for each in made.findings} == {
+        (kernel, case) for kernel, check in few.items() for case in check.cases
+    }
     assert made.verdict == verdict(made.findings)
     assert made.verdict.startswith("All ")
     content = json.loads(made.files["json"].read_text("utf-8"))
-    assert content["bounds"] == BOUNDS
+    assert content["bounds"].keys() == {each.bound.quantity for each in made.findings}
     assert all(each["met"] for each in content["findings"])
     page = made.files["html"].read_text("utf-8")
-    assert "one spike" in page
+    for text in ("one spike", "control points", "1 ulp of the largest coordinate", "100003 counts"):
+        assert text in page
     assert "$" not in page
     lines = made.files["csv"].read_text("utf-8").splitlines()
     assert len(lines) == 1 + len(made.findings)
@@ -76,7 +48,36 @@ def test_report(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert {key: path.read_bytes() for key, path in again.files.items()} == before
 
 
-def test_a_bound_that_is_not_met_is_named() -> None:
-    expected = np.ones(3)
-    broken = finding("one spike", "deviation", expected + 1, expected, 1.0, 0.1)
-    assert verdict([broken]) == ("1 of 1 bounds are not met, in 1 cases: deviation in one spike.")
+def test_a_number_near_zero_is_in_metres_beside_its_bound(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # of a value of 1e-15 m, so much is any number of units in its last place
+    near_zero = METRES.met_by([3e-14], [1e-15], 1e-13)
+    worse = METRES.met_by([0.3, np.nan], [0.1, 0.1], 0.1)
+    monkeypatch.setattr(
+        stability,
+        "CHECKS",
+        {
+            "curved/one": Check(lambda case, device: [near_zero], lambda: {"flat": None}),
+            "terrain/two": Check(
+                lambda case, device: [worse if case else near_zero],
+                lambda: {"flat": False, "steep": True},
+            ),
+        },
+    )
+    made = write_stability(tmp_path)
+    page = made.files["html"].read_text("utf-8")
+    assert ">2.9e-14 m</td>" in page
+    assert ">1e-13 m</td>" in page
+    assert ">29%</td>" in page
+    assert "<b>any ×</b>" in page
+    found = json.loads(made.files["json"].read_text("utf-8"))["findings"]
+    assert [each["difference"] for each in found] == [pytest.approx(2.9e-14)] * 2 + [None]
+    assert made.verdict == ("1 of 3 bounds are not met, in 2 cases: height (terrain/two) in steep.")
+
+
+def test_the_quantity_nearest_to_its_bound_counts() -> None:
+    small, large = (METRES.met_by([each], [0.0], 1.0) for each in (0.2, 0.7))
+    check = Check(lambda case, device: [small, large, small], lambda: {"one": None})
+    found = list(stability.findings(None, {"terrain/kernel": check}))
+    assert found == [Finding("terrain/kernel", "one", large)]

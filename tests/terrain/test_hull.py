@@ -1,4 +1,4 @@
-"""The hull stage: factors against the float64 reference, shared edges, culling."""
+"""The hull stage: the same bits on shared edges, ranges, culling."""
 
 from __future__ import annotations
 
@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import terrain_lod as tl
-from support.grounds import holed, rough
-from terrain_lod.reference.terrain import analysis, hull
+from support.grounds import rough
 from terrain_lod.terrain.control_points import patch_indices
 from terrain_lod.terrain.hull import hull_on_device
 
@@ -30,29 +29,6 @@ def camera_over(ground: tl.Heightmap) -> tl.Camera:
 def factors(terrain: tl.Terrain, camera: tl.Camera, lod: tl.Lod, edges: str, cull: bool):
     found = hull_on_device(terrain._tiles, lod, camera, edge_rule=edges, cull=cull)
     return found.edge.host(), found.inside.host()
-
-
-@pytest.mark.parametrize("lod", LODS, ids=repr)
-@pytest.mark.parametrize("edges", ["min", "max"])
-@pytest.mark.parametrize("make", [rough, holed])
-def test_agrees_with_the_reference(lod: tl.Lod, edges: str, make) -> None:
-    ground = make(spacing=(30, 20), origin=(500_000, 4_000_000))
-    terrain, camera = tl.Terrain(ground), camera_over(ground)
-    edge, inside = factors(terrain, camera, lod, edges, cull=True)
-    expected_edge, expected_inside = hull.factors(
-        ground,
-        terrain.grid,
-        analysis.analyse(ground),
-        lod,
-        terrain.scene,
-        np.subtract(camera.eye, terrain.origin),
-        camera.planes(terrain.origin),
-        edge_rule=edges,
-        camera=camera,
-    )
-    # a dozen roundings of numbers up to 63
-    np.testing.assert_allclose(edge, expected_edge, rtol=1e-5, atol=1e-5)
-    np.testing.assert_allclose(inside, expected_inside, rtol=1e-5, atol=1e-5)
 
 
 @pytest.mark.parametrize("lod", LODS, ids=repr)

@@ -46,22 +46,6 @@ def rays_over(ground: tl.Heightmap, count: int, seed: int) -> tuple[np.ndarray, 
 
 
 @pytest.mark.parametrize("place", PLACES)
-@pytest.mark.parametrize("make", [rough, holed])
-def test_heights_of_the_ground(place: str, make) -> None:
-    ground = make(66, 50, **PLACES[place])
-    terrain = tl.Terrain(ground)
-    rows, columns = ground.shape
-    random = np.random.default_rng(0)
-    cells = random.uniform(-1, max(rows, columns) + 1, (3000, 2))
-    cells[:1000] = np.rint(cells[:1000])
-    cells[1000:1500, 0] = np.rint(cells[1000:1500, 0])
-    points = ground.origin + cells * (ground.spacing[0], -ground.spacing[1])
-    np.testing.assert_allclose(
-        terrain.height_at(points), queries_ground.heights(ground, points), atol=TOLERANCE
-    )
-
-
-@pytest.mark.parametrize("place", PLACES)
 def test_on_samples_both_are_the_samples(place: str) -> None:
     ground = holed(66, 50, **PLACES[place])
     terrain = tl.Terrain(ground)

@@ -12,8 +12,6 @@ from terrain_lod.device.layout import FIXED_ONE
 from terrain_lod.errors import DeviceMemoryError, InputError
 from terrain_lod.measure.cracks import crack_report
 from terrain_lod.mesh.mesh import Mesh
-from terrain_lod.reference.tessellation import semi_uniform as reference
-from terrain_lod.tessellation.queues import queues_of
 from terrain_lod.tessellation.semi_uniform import lattice, semi_uniform
 
 M = 5
@@ -27,44 +25,13 @@ def corners_of(pattern, patch):
     return np.concatenate([uv, FIXED_ONE - uv.sum(axis=-1, keepdims=True)], axis=-1)
 
 
-def in_order(corners):
-    """Return triangles that begin at their least corner and ascend, winding kept."""
-    keyed = np.ascontiguousarray(corners).reshape(-1, 3, 3).tolist()
-    turned = [min(t[k:] + t[:k] for k in range(3)) for t in keyed]
-    return sorted(turned)
-
-
-def expected(levels, **options):
-    triangles = reference.semi_uniform(levels, **options)
-    return in_order(np.array([[[int(x * FIXED_ONE) for x in p] for p in t] for t in triangles]))
-
-
 def boundary_points(pattern, patch):
     begin, end = pattern.point_offsets[patch : patch + 2]
     points = pattern.points[begin:end].astype(np.int64)
     return np.concatenate([points, FIXED_ONE - points.sum(axis=-1, keepdims=True)], axis=-1)
 
 
-# against the twin
-
-
-@pytest.mark.parametrize("keep_degenerate", [True, False])
-def test_every_combination_up_to_level_3_is_the_twins(keep_degenerate):
-    levels = ALL[(ALL <= 3).all(axis=1)]
-    pattern = semi_uniform(levels, keep_degenerate=keep_degenerate)
-    for patch, own in enumerate(levels.tolist()):
-        found = in_order(corners_of(pattern, patch))
-        assert found == expected(own, keep_degenerate=keep_degenerate), own
-
-
-@pytest.mark.parametrize("levels", [(5, 0, 3), (4, 5, 1), (2, 2, 5), (6, 1, 0)])
-def test_fine_levels_are_the_twins(levels):
-    for keep in (True, False):
-        pattern = semi_uniform([levels], maximum=6, keep_degenerate=keep)
-        assert in_order(corners_of(pattern, 0)) == expected(levels, keep_degenerate=keep)
-
-
-# what the issue promises of phi, for all 216 combinations
+# what is promised of phi, for all 216 combinations
 
 
 def test_points_inside_do_not_move_and_boundary_points_stand_on_their_edges_level():
@@ -245,13 +212,3 @@ def test_lattices_have_what_they_should():
         assert len(base.triangles) == steps**2
         assert len(base.inside) == (steps - 1) * (steps - 2) // 2
         assert (np.count_nonzero(base.triangles[: base.inner] < 3 * steps, axis=1) < 2).all()
-
-
-@pytest.mark.parametrize("patches", [1, 3, 4095, 10_001])
-def test_queues_hold_each_patch_once_in_order(patches):
-    keys = np.random.default_rng(patches).integers(-1, 4, patches).astype(np.int32)
-    queues = queues_of(Device.open().array(keys), 4)
-    members = queues.members.host()
-    for key in range(4):
-        begin, end = queues.begins[key : key + 2]
-        np.testing.assert_array_equal(members[begin:end], np.flatnonzero(keys == key))

@@ -21,8 +21,10 @@ inline float2 in_picture(const View view, float x, float y, float z)
     z -= view.eye[2];
     const float depth = x * view.axes[2][0] + y * view.axes[2][1] + z * view.axes[2][2];
     const float scale = view.focal / (view.parallel ? 1.0f : fmax(depth, view.near));
-    return (float2)(x * view.axes[0][0] + y * view.axes[0][1] + z * view.axes[0][2],
-                    x * view.axes[1][0] + y * view.axes[1][1] + z * view.axes[1][2]) * scale;
+    const float2 place = (float2)(x * view.axes[0][0] + y * view.axes[0][1] + z * view.axes[0][2],
+                                  x * view.axes[1][0] + y * view.axes[1][1] + z * view.axes[1][2]);
+    // so that areas are finite
+    return clamp(place * scale, -1e18f, 1e18f);
 }
 
 // of a face whose corners follow each other: half of what its diagonals span

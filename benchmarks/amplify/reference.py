@@ -1,4 +1,4 @@
-"""Many triangles of one in float64: what ``curved/amplify.cl`` computes, by walking the rings."""
+"""Many triangles of one in float64: what ``ways.cl`` computes, by walking the rings."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 import numpy.typing as npt
 
-from ...device.layout import FIXED_ONE
-from ..tessellation import tessellator
-from . import pn
+from terrain_lod.device.layout import FIXED_ONE
+from terrain_lod.reference.curved import pn
+from terrain_lod.reference.tessellation import tessellator
 
 Array = npt.NDArray[np.float64]
 

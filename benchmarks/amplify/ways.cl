@@ -9,8 +9,9 @@
 //   pass_through  corners of indexed triangles, forwarded
 //
 // LEVEL, where it is given, is the level that `direct` is built for; otherwise it takes any.
-// Built with: LANES 1, LINEAR_NORMALS 0, [LEVEL], QUADS (1: an emitter makes a quad; 0: a border).
-#include "curved/amplify_strip.h"
+// Built with: STRIP (where strip.h is), LANES 1, LINEAR_NORMALS 0, [LEVEL], QUADS (1: an emitter makes
+// a quad; 0: a border).
+#include STRIP
 #include "curved/pn_point.h"
 
 #ifdef LEVEL

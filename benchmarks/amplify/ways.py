@@ -2,7 +2,7 @@
 
 All of them make the same surface, the PN-triangles of a mesh at one odd level, for every copy of
 it. They differ in what they keep between frames, what they need while they draw one, and the time:
-``benchmarks/amplification.py`` compares them.
+``amplification.py`` compares them.
 
 ===========  =====================================================================================
 ``fixed``    a work-item a triangle makes all sub-triangles; a kernel built for the level
@@ -24,31 +24,23 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
-from ..arguments import one_of, whole
-from ..device.device import Device, DeviceArray, Kernel
-from ..errors import InputError
-from ..mesh.mesh import Mesh
-from ..mesh.soundness import require_sound
-from ..tessellation.factors import DeviceFactors
-from ..tessellation.tessellator import tessellate_device
-from .adjacency import Adjacency
-from .pn import DevicePatchMesh, evaluate_on_device, nets_on_device
+from terrain_lod.arguments import one_of, whole
+from terrain_lod.curved.adjacency import Adjacency
+from terrain_lod.curved.pn import DevicePatchMesh, evaluate_on_device, nets_on_device
+from terrain_lod.device.device import Device, DeviceArray, Kernel
+from terrain_lod.errors import InputError
+from terrain_lod.mesh.mesh import Mesh
+from terrain_lod.mesh.soundness import require_sound
+from terrain_lod.tessellation.factors import DeviceFactors
+from terrain_lod.tessellation.tessellator import tessellate_device
 
-__all__ = [
-    "WAYS",
-    "Amplifier",
-    "Frame",
-    "Scene",
-    "amplify",
-    "emitters_per_triangle",
-    "triangles_of",
-]
-
+_HERE: Final = Path(__file__).parent
 _GROUP: Final = 64
 _LARGEST_LEVEL: Final = 63
 
@@ -352,9 +344,8 @@ WAYS: Final[dict[str, Callable[[Scene, int], Amplifier]]] = {
 
 
 def _kernel(device: Device, name: str, **defines: int) -> Kernel:
-    return device.kernel(
-        "curved/amplify.cl", name, **{"LANES": 1, "LINEAR_NORMALS": 0, "QUADS": 0, **defines}
-    )
+    fixed = {"STRIP": f'"{_HERE / "strip.h"}"', "LANES": 1, "LINEAR_NORMALS": 0, "QUADS": 0}
+    return device.kernel(str(_HERE / "ways.cl"), name, **{**fixed, **defines})
 
 
 def _room(device: Device, patches: int, level: int) -> tuple[DeviceArray, DeviceArray]:

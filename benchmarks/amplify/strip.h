@@ -13,8 +13,8 @@
 //
 // After the "structural subdivision levels" of a thesis on PN-triangles by geometry shader, and its
 // emitters of one border or one quad.
-#ifndef AMPLIFY_STRIP_H
-#define AMPLIFY_STRIP_H
+#ifndef STRIP_OF_SUB_TRIANGLES_H
+#define STRIP_OF_SUB_TRIANGLES_H
 
 enum { SIDES = 3 };
 

@@ -9,18 +9,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from amplify import reference
+from amplify.ways import WAYS, Scene, _kernel, amplify, emitters_per_triangle, triangles_of
 
 from support.curved_meshes import CLOSED, cube, torus
 from terrain_lod.camera.camera import Camera
-from terrain_lod.checks.amplify import check_amplify
 from terrain_lod.curved.adjacency import Adjacency
-from terrain_lod.curved.amplify import (
-    WAYS,
-    Scene,
-    amplify,
-    emitters_per_triangle,
-    triangles_of,
-)
 from terrain_lod.curved.smooth import pn_triangles
 from terrain_lod.device.device import Device
 from terrain_lod.drawing.graphics import graphics_problem
@@ -28,7 +22,6 @@ from terrain_lod.drawing.picture import draw
 from terrain_lod.errors import InputError
 from terrain_lod.measure.cracks import crack_report
 from terrain_lod.mesh.mesh import Mesh
-from terrain_lod.reference.curved import amplify as reference
 
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 LEVELS = (1, 3, 5, 9, 15)
@@ -94,8 +87,7 @@ def emitters_on_device(level, quads):
     """Return ring, side and first of the second of two patches."""
     device, each = Device.open(), emitters_per_triangle(level, quads=quads)
     records = device.empty((2 * each, 4), np.int32)
-    defines = {"LANES": 1, "LINEAR_NORMALS": 0, "QUADS": int(quads)}
-    device.kernel("curved/amplify.cl", "emitters", **defines)(
+    _kernel(device, "emitters", QUADS=int(quads))(
         (2,), (64,), patches=2, level=level, each=each, records=records
     )
     found = records.host()[each:]
@@ -103,9 +95,29 @@ def emitters_on_device(level, quads):
     return [tuple(record) for record in found[:, 1:].tolist()]
 
 
-def test_agrees_with_float64():
-    check = check_amplify(Device.open())
-    assert check.error <= check.bound
+@pytest.mark.parametrize("way", WAYS)
+def test_agrees_with_float64(way):
+    mesh, turn = bulging_tent(), two_copies()[1]
+    wide = mesh.vertices.astype(np.float64), mesh.normals.astype(np.float64)
+    positions, normals = reference.sub_triangles(Adjacency.of(mesh).patches, *wide, 7)
+    found = corners(amplify(mesh, 7, way=way, transforms=turn[None]))
+    # coordinates of up to 8, and normals of sums that cancel
+    placed = (positions @ turn[:, :3].T + turn[:, 3]).reshape(-1, 3, 3)
+    np.testing.assert_allclose(found[0], placed, rtol=0, atol=4e-6)
+    turned = (normals @ turn[:, :3].T).reshape(-1, 3, 3)
+    np.testing.assert_allclose(found[1], turned, rtol=0, atol=2e-5)
+
+
+def bulging_tent():
+    """Return an open fan of six triangles with normals that lean in all directions."""
+    angle = np.arange(6) * np.pi / 3
+    rim = np.stack([np.cos(angle), np.sin(angle), 0.2 * np.sin(2 * angle)], axis=1)
+    vertices = np.concatenate([[(0, 0, 1)], rim]).astype(np.float32)
+    normals = vertices + np.float32(0.3) * np.roll(vertices, 1, axis=0)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    around = np.arange(6)
+    triangles = np.stack([np.zeros(6), 1 + around, 1 + (around + 1) % 6], axis=1)
+    return Mesh(vertices, normals, triangles.astype(np.int32))
 
 
 def test_stored_keeps_a_level_s_triangles_and_on_the_fly_nearly_nothing():
