@@ -90,7 +90,7 @@ def check_curve(device: Device) -> Check:
     t = tessellate("isoline", [[1, 40]], partitioning="integer", device=device).points[:, 0]
     for name, row in CURVES.items():
         numbers = {key: number.default for key, number in row.numbers.items()}
-        found = curve(name, pieces=1, factor=40, device=device)
+        found = curve(name, pieces=1, factor=40, partitioning="integer", device=device)
         positions, tangents = surfaces_reference.curve(name, t / FIXED_ONE, numbers)
         differences.append(largest_difference(found.points, positions))
         differences.append(largest_difference(found.tangents, tangents))

@@ -139,7 +139,7 @@ def test_a_group_of_work_items_makes_what_one_makes(monkeypatch):
 @pytest.mark.parametrize("other", [False, True])
 def test_curves_are_their_twins(name, other):
     given = OTHER_NUMBERS[name] if other else {}
-    made = curve(name, pieces=6, factor=20, **given)
+    made = curve(name, pieces=6, factor=20, partitioning="integer", **given)
     places = tessellate("isoline", [[1, 20]], partitioning="integer").points[:, 0] / FIXED_ONE
     t = np.append(np.concatenate([(places[:-1] + piece) / 6 for piece in range(6)]), 1.0)
     numbers = numbers_of(CURVES, name, given)

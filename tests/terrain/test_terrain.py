@@ -59,7 +59,7 @@ def test_no_cracks_in_two_hundred_cameras(name: str) -> None:
         mesh = terrains[index % 4].mesh(
             camera,
             lod=LODS[index % 5],
-            edges=("min", "max")[index % 2],
+            edge_rule=("min", "max")[index % 2],
             partitioning=partitioning,
         )
         # just above an even number Direct3D's fractional_even folds triangles by 1/65536: closed
