@@ -18,6 +18,7 @@ from terrain_lod.drawing.colours import LOD_STOPS, lod_colours, sun_direction
 from terrain_lod.drawing.graphics import INSTALL_COMMAND, graphics_problem, require_graphics
 from terrain_lod.drawing.picture import draw, require_png, save_png
 from terrain_lod.errors import FileError, GraphicsError, InputError
+from terrain_lod.ground.grid import TileGrid
 from terrain_lod.ground.heightmap import Heightmap
 from terrain_lod.mesh.mesh import Mesh, Patches
 
@@ -54,8 +55,7 @@ def tiles_of(factors, *, height=0.0, origin=ORIGIN):
         np.arange(len(vertices), dtype=np.int32).reshape(-1, 3),
         np.array(origin),
         patches=Patches(
-            shape=factors.shape,
-            tile=15,
+            grid=TileGrid(15 * factors.shape[0] + 1, 15 * factors.shape[1] + 1, 15, (1.0, 1.0)),
             edge_factors=np.ones((factors.size, 4), np.float32),
             inside_factors=inside,
             point_offsets=offsets * 6,

@@ -78,13 +78,13 @@ def read_plain_tiff(path: Path, part: Part) -> Raster:
 def _require_no_mask(image: Any, path: Path) -> None:
     """Refuse a mask that stands beside the samples, in the file or in one of its own."""
     masked = path.with_name(path.name + ".msk").is_file()
-    for frame in range(1, getattr(image, "n_frames", 1)):
-        try:
+    try:
+        for frame in range(1, getattr(image, "n_frames", 1)):
             image.seek(frame)
             masked |= bool(int(image.tag_v2.get(SUBFILE_TYPE, 0)) & IS_MASK)
-        except (SyntaxError, KeyError):
-            # of a kind that Pillow does not know, as masks of one bit are
-            masked = True
+    except (SyntaxError, KeyError):
+        # of a kind that Pillow does not know, as masks of one bit are
+        masked = True
     image.seek(0)
     if masked:
         raise MissingExtraError(f"expected no mask of its own in {path.name}, got one: {EXTRA}")
