@@ -82,6 +82,24 @@ inline float sample_height(const Ground ground, int row, int column)
 #endif
 }
 
+// A height on or beyond the raster's last row and column: there it goes on as it came, point by point about
+// the last one, so that a plane stays a plane.
+inline float height_beyond(const Ground ground, int row, int column)
+{
+    const int last_row = ground.grid.rows - 1, last_column = ground.grid.columns - 1;
+    if (row <= last_row && column <= last_column)
+        return sample_height(ground, row, column);
+    float heights[2];
+    for (int side = 0; side < 2; ++side) {
+        // the last row, and the one opposite to what is beyond
+        const int r = row <= last_row ? row : side ? max(2 * last_row - row, 0) : last_row;
+        const float last = sample_height(ground, r, min(column, last_column));
+        heights[side] = column <= last_column
+            ? last : 2.0f * last - sample_height(ground, r, max(2 * last_column - column, 0));
+    }
+    return row <= last_row ? heights[0] : 2.0f * heights[0] - heights[1];
+}
+
 // a global coordinate along one axis
 typedef struct {
     int cell;

@@ -1,7 +1,7 @@
 // The lattice that a node is looked at on, and how far a pattern of it is from there.
 //
 //     o . . . o . . . o      samples of the lattice o, `stride` apart; beyond the raster's last row or
-//     . . . . . . . . .      column its heights stand again
+//     . . . . . . . . .      column it goes on as it came: height_beyond
 //     . . . . . . . . .
 //     o . . . o . . . o
 //
@@ -28,13 +28,10 @@ inline void read_lattice(const Ground ground, const Tile tile, int stride, Latti
     lattice->stride = stride;
     lattice->across = (tile.cells_across + stride - 1) / stride;
     lattice->down = (tile.cells_down + stride - 1) / stride;
-    for (int row = 0; row <= lattice->down; ++row) {
-        const int sample_row = min(tile.row + row * stride, ground.grid.rows - 1);
-        for (int column = 0; column <= lattice->across; ++column) {
-            const int sample_column = min(tile.column + column * stride, ground.grid.columns - 1);
-            lattice->heights[row * WIDTH + column] = sample_height(ground, sample_row, sample_column);
-        }
-    }
+    for (int row = 0; row <= lattice->down; ++row)
+        for (int column = 0; column <= lattice->across; ++column)
+            lattice->heights[row * WIDTH + column] =
+                height_beyond(ground, tile.row + row * stride, tile.column + column * stride);
 }
 
 // vertex i of f segments along so many cells: a lattice line, and how far on to the next

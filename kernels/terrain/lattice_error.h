@@ -19,21 +19,10 @@ typedef struct {
     int stride;
 } Measured;
 
-// beyond the raster's last row and column its heights stand again
 inline float lattice_height(const Measured lattice, int row, int column)
 {
-    return sample_height(lattice.ground, min(lattice.tile.row + row * lattice.stride, lattice.ground.grid.rows - 1),
-                         min(lattice.tile.column + column * lattice.stride, lattice.ground.grid.columns - 1));
-}
-
-inline bool lattice_has_data(const Measured lattice, int row, int column)
-{
-#if MASKED
-    return sample_has_data(lattice.ground, min(lattice.tile.row + row * lattice.stride, lattice.ground.grid.rows - 1),
-                           min(lattice.tile.column + column * lattice.stride, lattice.ground.grid.columns - 1));
-#else
-    return true;
-#endif
+    return height_beyond(lattice.ground, lattice.tile.row + row * lattice.stride,
+                         lattice.tile.column + column * lattice.stride);
 }
 
 inline float twist_of(const Measured lattice, int row, int column)
@@ -94,8 +83,7 @@ inline float lattice_triangle_error(const Measured lattice, float4 a, float4 b, 
             const float x = column - a.x, y = row - a.y;
             const float share1 = x * y2 - x2 * y, share2 = x1 * y - x * y1;
             const float weight1 = share1 * inverse, weight2 = share2 * inverse;
-            if (smaller(smaller(weight1, weight2), 1.0f - weight1 - weight2) < -rounding
-                || !lattice_has_data(lattice, row, column))
+            if (smaller(smaller(weight1, weight2), 1.0f - weight1 - weight2) < -rounding)
                 continue;
             const float height = lattice_height(lattice, row, column);
             // a corner has its own height, to the bit; else differences come first

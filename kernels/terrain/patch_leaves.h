@@ -9,6 +9,8 @@
 #include "terrain/ground.h"
 #include "terrain/node.h"
 
+#define FINEST FINER    // levels at which every sample is looked at, beyond the first
+
 #define PATCH_ARGUMENTS                                                                            \
     const Tree tree, __global const int *leaves, __global const uint *side_offsets,                \
     __global const int *side_places, __global const float *inside_factors,

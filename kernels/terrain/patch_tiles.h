@@ -4,6 +4,8 @@
 
 #include "terrain/ground.h"
 
+#define FINEST 0        // levels at which every sample is looked at, beyond the first
+
 // what kernels are given beside the grid
 #define PATCH_ARGUMENTS
 #define PATCH_SET {0}

@@ -14,9 +14,9 @@
 // (1 or 8), what PATCHES and ground.h are built with.
 #include "common/lanes.h"
 #include "common/reduce.h"
+#include PATCHES
 #include "terrain/lattice_error.h"
 #include "terrain/tile_samples.h"
-#include PATCHES
 
 // corners in cells from the tile's first sample, x east, y south: whole 1/65536, so that differences
 // are exact; LANES triangles side by side

@@ -3,15 +3,20 @@
 // Without detail they are there already: rows of the raster. Ground with detail is stored nowhere;
 // there a work-group finds a tile's samples once and keeps them in local memory meanwhile.
 //
-// Built with: TILE cells, GROUP work-items, what ground.h is built with.
+// Built with: TILE cells, FINEST (patches are up to 2^FINEST tiles wide; 0 if not given), GROUP work-items, what ground.h
+// is built with.
 #ifndef TILE_SAMPLES_H
 #define TILE_SAMPLES_H
 
 #include "terrain/ground.h"
 
+#ifndef FINEST
+#define FINEST 0
+#endif
+
 #if DETAIL
 #define TILE_MEMORY __local
-#define STORE_WIDTH (TILE + 1)
+#define STORE_WIDTH ((TILE << FINEST) + 1)
 #define STORE_SIZE (STORE_WIDTH * STORE_WIDTH)
 #else
 #define TILE_MEMORY __global

@@ -39,10 +39,11 @@ __kernel void drift(const Grid grid, const int level,
     for (int above = tile.row / stride * stride; above <= south; above += stride)
         for (int left = tile.column / stride * stride; left <= east; left += stride) {
             // what the tile has of one cell of the lattice
-            const int below = min(above + stride, grid.rows - 1);
-            const int right = min(left + stride, grid.columns - 1);
-            const float nw = sample_height(ground, above, left), ne = sample_height(ground, above, right);
-            const float sw = sample_height(ground, below, left), se = sample_height(ground, below, right);
+            const int below = above + stride, right = left + stride;
+            const float nw = sample_height(ground, above, left);
+            const float ne = height_beyond(ground, above, right);
+            const float sw = height_beyond(ground, below, left);
+            const float se = height_beyond(ground, below, right);
             highest = LARGER(highest, LARGER(LARGER(ABSOLUTE(nw), ABSOLUTE(ne)), LARGER(ABSOLUTE(sw), ABSOLUTE(se))));
             const int first = max(left, tile.column), last = min(left + stride - 1, east);
             for (int row = max(above, tile.row); row <= min(above + stride - 1, south); ++row) {

@@ -1,23 +1,26 @@
-"""Checks of the kernels that choose patches of every size: the tree, its joints, insides of leaves."""
+"""Checks of the kernels that choose patches of every size."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 from typing import Final
 
 import numpy as np
 
 from ..device.device import Device
 from ..device.layout import VIEW
+from ..ground.heightmap import Heightmap
 from ..reference.terrain import quadtree
 from ..terrain.buffers import lattice_levels
 from ..terrain.leaves import FIRST_SHARE, Leaves
 from ..terrain.quadtree import DeviceQuadtree, cheapest_first
 from .check import Array, Bound, Check, Difference, ulp
-from .grounds import Ground, hard_grounds, plain_grounds
+from .grounds import Ground
 
 _METRES: Final = 3.0
+_STEP: Final = 30.0
 
 _DRIFT: Final = Bound(
     "drift",
@@ -125,16 +128,50 @@ def _joined(parts: list[Array]) -> Array:
     return np.concatenate(parts) if parts else np.zeros(0)
 
 
-def _chosen_alike() -> dict[str, Ground]:
-    """Return hard grounds whose errors are no ties: float32 and float64 choose alike."""
-    ties = ("end of float32", "denormals", "1,000 km", "checkerboard", "plane of slope 1000")
+@cache
+def _plain() -> dict[str, Ground]:
+    """Return ordinary ground of some dozen small tiles: references of all pairs take their time."""
+    fine = Heightmap(np.random.default_rng(2).normal(size=(5, 7)), spacing=(10.0, 10.0))
     return {
-        name: ground
-        for name, ground in hard_grounds().items()
-        if not any(tie in name for tie in ties)
+        "rough": Ground(_rough(31, 26), tile=5),
+        "with holes": Ground(_rough(31, 26, holed=True), tile=5),
+        "with holes and detail": Ground(_rough(9, 10, holed=True), detail=fine, tile=5),
     }
 
 
-TREE: Final = Check(_nodes, plain_grounds, _chosen_alike)
-JOINTS: Final = Check(_joints, plain_grounds, _chosen_alike)
-LEAF_FIT: Final = Check(_insides, plain_grounds, _chosen_alike)
+@cache
+def _hard() -> dict[str, Ground]:
+    """Return hard grounds whose errors are no ties: float32 and float64 choose alike."""
+    row, column = np.mgrid[:22, :27].astype(np.float64)
+    rough = np.random.default_rng(5).normal(size=row.shape).cumsum(axis=0).cumsum(axis=1)
+    heights = {
+        "constant, 8,848 m": np.full(row.shape, 8848.0),
+        "one spike": np.where((row == 10) & (column == 11), 1e4, 0.0),
+        "cliff of one cell": np.where(column > 11, 500.0, 0.0),
+        "hole of one sample": np.where((row == 10) & (column == 11), np.nan, rough),
+        "hole of a tile": np.where((row <= 5) & (column <= 5), np.nan, rough),
+        "all but one sample missing": np.where((row == 7) & (column == 8), 5.0, np.nan),
+        "2 × 2 samples": rough[:2, :2],
+        "2 samples wide": rough[:, :2],
+        "one sample more than a node": rough[:12, :12],
+    }
+    made = {name: Ground(Heightmap(each, spacing=_STEP), tile=5) for name, each in heights.items()}
+    made["spacing 1 : 1000"] = Ground(Heightmap(rough, spacing=(1.0, 1000.0)), tile=5)
+    return made | {
+        f"tiles of {tile} cells": Ground(_rough(4 * tile + 2, 3 * tile + 3), tile=tile)
+        for tile in (1, 3, 4, 8)
+    }
+
+
+def _rough(rows: int, columns: int, *, holed: bool = False) -> Heightmap:
+    random = np.random.default_rng(1)
+    heights = random.normal(size=(rows, columns)).cumsum(axis=0).cumsum(axis=1)
+    if holed:
+        heights[random.random(heights.shape) < 0.01] = np.nan
+        heights[: rows // 4, : columns // 3] = np.nan
+    return Heightmap(heights, spacing=_STEP, origin=(500_000.0, 4_000_000.0))
+
+
+TREE: Final = Check(_nodes, _plain, _hard)
+JOINTS: Final = Check(_joints, _plain, _hard)
+LEAF_FIT: Final = Check(_insides, _plain, _hard)

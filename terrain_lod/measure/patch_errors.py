@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import numpy.typing as npt
 
@@ -29,7 +31,7 @@ def patch_errors(
     Returns
     -------
     (P,) float32
-        In the raster's unit, row by row as :attr:`Mesh.patches`; NaN where nothing was measured.
+        In the raster's unit, as :attr:`Mesh.patches`; NaN where nothing was measured.
         A sample on a border counts for every patch that it borders.
 
     Raises
@@ -58,11 +60,14 @@ def patch_errors(
     worst = vertical_error(mesh, ground, field=True, device=device).field
     assert worst is not None  # asked for
     worst = np.abs(worst, out=worst)
-    # neighbours share their border samples: the last line of each tile is the first of the next
-    for axis, corners in enumerate((grid.corner_rows, grid.corner_columns)):
-        within = np.fmax.reduceat(worst, corners[:-1], axis=axis)
-        worst = np.fmax(within, worst.take(corners[1:], axis=axis))
-    return worst.ravel()
+    # neighbours share their border samples
+    areas = mesh.patches.areas.tolist()
+    parts = [
+        worst[top : top + down + 1, left : left + across + 1] for top, left, down, across in areas
+    ]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # of patches without any data
+        return np.array([np.nanmax(part) for part in parts], np.float32)
 
 
 def _described(grid: TileGrid, origin: tuple[float, float]) -> str:

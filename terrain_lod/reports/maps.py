@@ -218,7 +218,7 @@ def _inside_factors(trial: Trial) -> Values:
     patches = trial.mesh.patches
     assert patches is not None  # meshes of a terrain have them
     factors = np.where(patches.drawn, patches.inside_factors.mean(axis=1), np.nan)
-    return factors.reshape(patches.shape)
+    return patches.on_tiles(factors)
 
 
 def _error_field(trial: Trial) -> Values:

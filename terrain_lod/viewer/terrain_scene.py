@@ -158,12 +158,18 @@ class TerrainFrame(Frame):
         row = (ground.origin[1] - y) / ground.spacing[1]
         column = (x - ground.origin[0]) / ground.spacing[0]
         tile = _tile(grid.corner_rows, row), _tile(grid.corner_columns, column)
-        index = tile[0] * grid.shape[1] + tile[1]
+        patches = self.mesh.patches
+        assert patches is not None  # meshes of a terrain have them
+        index = patches.on_tiles(np.arange(patches.count))[tile]
+        edges, insides = (
+            (0.0,) * factors.shape[1] if np.isnan(index) else tuple(factors[int(index)].tolist())
+            for factors in (self.edge_factors, self.inside_factors)
+        )
         return TilePick(
             point=(x, y, height_at(ground, x, y)),
             tile=tile,
-            edge_factors=tuple(self.edge_factors[index].tolist()),
-            inside_factors=tuple(self.inside_factors[index].tolist()),
+            edge_factors=edges,
+            inside_factors=insides,
             normal=tuple(terrain.analysis.normal[tile].tolist()),
             deviation=float(terrain.analysis.deviation[tile]),
             unit=ground.unit_symbols[1],

@@ -92,12 +92,19 @@ class Quadtree:
         return self.heights[window], self.ground.valid[window]
 
     def lattice(self, node: Node) -> Array:
-        """Return the heights of a node's lattice; the raster's last line stands again beyond it."""
+        """Return the heights of a node's lattice, which goes on beyond the raster as it came."""
         top, left, down, across = self.area(node)
-        stride, (rows, columns) = self.stride(node), self.heights.shape
-        y = top + stride * np.arange(-(-down // stride) + 2)
-        x = left + stride * np.arange(-(-across // stride) + 2)
-        return self.heights[np.ix_(np.minimum(y, rows - 1), np.minimum(x, columns - 1))]
+        stride, heights = self.stride(node), self.heights
+        for axis, first, cells in ((0, top, down), (1, left, across)):
+            places = first + stride * np.arange(-(-cells // stride) + 2)
+            last = heights.shape[axis] - 1
+            there = heights.take(np.minimum(places, last), axis)
+            opposite = heights.take(np.clip(2 * last - places, 0, last), axis)
+            beyond = places > last
+            heights = np.where(
+                beyond[:, None] if axis == 0 else beyond, 2 * there - opposite, there
+            )
+        return heights
 
     def drift(self, node: Node) -> float:
         """Return how far a node's samples are from its lattice."""
