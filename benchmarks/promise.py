@@ -3,11 +3,13 @@
     python benchmarks/promise.py against [--ground ridge] [--samples 512] [--metres 1 5 30]
     python benchmarks/promise.py view [--samples 512]
     python benchmarks/promise.py ladder [--megapixels 1 4 16 64]
+    python benchmarks/promise.py tree [--ground ridge] [--tiles 4 6 8]
     python benchmarks/promise.py kept [--cameras 50] [--ground ridge ...]
 
 `against`: from raster in host memory to mesh in host memory, ladder included; and triangles.
 `view`: one pixel over a low flight against the one static mesh that keeps a pixel over all of it.
 `ladder`: seconds a megapixel as the raster grows.
+`tree`: triangles and time of patches of every size, beside the flat grid and pydelatin.
 `kept`: how often a promise was broken, measured from outside, over grounds, tolerances, cameras
 and tile sizes.
 
@@ -100,6 +102,30 @@ def against(
                 f"fast {count:9,} triangles {count / len(meshes['pydelatin'].triangles):6.2f} x "
                 f"measured {measured:.4g} m"
             )
+
+
+def tree(name: str, samples: int, tolerances: list[float], tiles: list[int]) -> list[float]:
+    """Print triangles of patches of every size and of the flat grid: shares of pydelatin's."""
+    ground, best = ground_of(name, samples), []
+    for metres in tolerances:
+        base = len(DELATIN.mesh(ground, metres).triangles)
+        found = []
+        for tile in tiles:
+            terrain, flat = tl.Terrain(ground, tile=tile), tl.Terrain(ground, tile=tile, levels=1)
+            lod = tl.MaxErrorLod(metres)
+            mesh, other = (each.mesh(lod=lod, partitioning="integer") for each in (terrain, flat))
+            seconds, _ = seconds_of(partial(terrain.mesh, lod=lod, partitioning="integer"))
+            worst = tl.vertical_error(mesh, ground).maximum / metres
+            share = len(mesh.triangles) / base
+            found.append(share)
+            print(
+                f"{name} {metres:3g} m, tiles of {tile}: {share:.2f} x pydelatin's {base:,}, flat "
+                f"{len(other.triangles) / base:.2f} x; worst {worst:.3f} of what was asked, again "
+                f"in {1e3 * seconds:.0f} ms",
+                flush=True,
+            )
+        best.append(found[0])
+    return best
 
 
 def view(name: str, samples: int, tiles: list[int], views: int) -> None:
@@ -226,7 +252,7 @@ def kept(names: list[str], samples: int, cameras: int, tiles: list[int]) -> None
 def main() -> None:
     """Run the chosen part."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("part", choices=("against", "view", "ladder", "kept"))
+    parser.add_argument("part", choices=("against", "view", "ladder", "tree", "kept"))
     parser.add_argument("--ground", nargs="+", default=["ridge"])
     parser.add_argument("--samples", type=int, default=512)
     parser.add_argument("--metres", type=float, nargs="+", default=[1.0, 5.0, 30.0])
@@ -241,6 +267,15 @@ def main() -> None:
         return
     if options.part == "kept":
         kept(options.ground, options.samples, options.cameras, options.tiles)
+        return
+    if options.part == "tree":
+        shares = [
+            share
+            for name in options.ground
+            for share in tree(name, options.samples, options.metres, options.tiles)
+        ]
+        mean = float(np.exp(np.mean(np.log(shares))))
+        print(f"tiles of {options.tiles[0]}: {mean:.3f} x pydelatin's, the geometric mean")
         return
     for name in options.ground:
         if options.part == "against":
