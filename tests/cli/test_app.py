@@ -134,6 +134,7 @@ def test_lods_and_their_options_reach_the_mesh(ground, capsys):
     assert triangles("--lod", "budget", "--triangles", "4000") <= 4000
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", [["report", "in/hills.npy"], ["demo", "in/hills.npy"]])
 def test_report_and_demo(ground, capsys, command, monkeypatch):
     monkeypatch.setenv("TERRAIN_LOD_REPORT_SIZE", "96x64")

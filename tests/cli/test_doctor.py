@@ -51,6 +51,7 @@ def test_crashes_are_blamed_on_their_kernels_and_the_rest_goes_on() -> None:
     ]
 
 
+@pytest.mark.slow
 def test_a_hang_ends_with_its_time_and_is_not_tried_again() -> None:
     assert verdicts("sound", "hangs", "sound", checks="support.doctor_hangs", timeout=15) == [
         "sound",
@@ -64,6 +65,7 @@ def test_a_device_that_does_not_open_says_why() -> None:
     assert "unknown device '99'" in finding.problem
 
 
+@pytest.mark.slow
 def test_every_kernel_is_sound_here_and_the_doctor_says_which_device_to_use(
     capsys: pytest.CaptureFixture[str],
 ) -> None:

@@ -12,6 +12,7 @@ import pytest
 SCRIPT = Path(__file__).parents[1] / "support" / "mesh_damage.py"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="no alarm there")
 @pytest.mark.parametrize(
     ("count", "endings"),

@@ -147,6 +147,7 @@ def test_a_better_peer_is_not_hidden(promised: Result) -> None:
     assert "it is the better choice" in text
 
 
+@pytest.mark.slow
 def test_report_is_the_same_every_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # fewer settings: each is as good as another here
     sweep = [each for each in contenders(GROUND, 15) if each.parameter in (1.0, 2.0, 15.0)]
@@ -199,6 +200,7 @@ def test_command_refuses(
     assert error.count("\n") == 1
 
 
+@pytest.mark.slow
 def test_command_compares(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -56,6 +56,7 @@ def assert_edges_are_bit_equal(mesh: tl.Mesh, terrain: tl.Terrain) -> None:
             assert_same(on_edge(patch, 1, y), on_edge(patch + columns, 1, y))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", GROUNDS)
 def test_no_cracks_in_two_hundred_cameras(name: str) -> None:
     ground = GROUNDS[name]

@@ -59,6 +59,7 @@ def browser(tmp_path):
     driver.quit()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(MISSING is not None, reason=f"no web page tested: {MISSING}")
 def test_page_loads_slider_moves_triangles_change_and_terrain_is_seen(address, browser):
     from selenium.webdriver import ActionChains
@@ -137,6 +138,7 @@ def foreign_page(viewer_port):
         server.shutdown()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(MISSING is not None, reason=f"no web page tested: {MISSING}")
 def test_another_page_of_the_same_browser_stays_out(address, browser):
     from selenium.webdriver.common.by import By
@@ -165,6 +167,7 @@ def test_another_page_of_the_same_browser_stays_out(address, browser):
     until(shown)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(MISSING is not None, reason=f"no web page tested: {MISSING}")
 @pytest.mark.parametrize("address", [str(POT)], indirect=True)
 def test_patches_have_the_same_page_with_their_own_controls(address, browser):
