@@ -56,6 +56,10 @@ def tiles_of(factors, *, height=0.0, origin=ORIGIN):
         np.array(origin),
         patches=Patches(
             grid=TileGrid(15 * factors.shape[0] + 1, 15 * factors.shape[1] + 1, 15, (1.0, 1.0)),
+            areas=np.array(
+                [(15 * row, 15 * column, 15, 15) for row, column in np.ndindex(factors.shape)],
+                np.int32,
+            ),
             edge_factors=np.ones((factors.size, 4), np.float32),
             inside_factors=inside,
             point_offsets=offsets * 6,

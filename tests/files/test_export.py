@@ -255,6 +255,7 @@ def test_khronos_validator_would_find_something(validate, mesh, tmp_path):
 def test_pyvista_shares_memory_and_knows_the_patches(mesh):
     patches = Patches(
         grid=TileGrid(9, 17, 8, (1.0, 1.0)),
+        areas=np.int32([[0, 0, 8, 8], [0, 8, 8, 8]]),
         edge_factors=np.float32([[1, 1, 1, 1], [3, 3, 3, 3]]),
         inside_factors=np.float32([[1, 5], [3, 3]]),
         point_offsets=np.array([0, 50, 108]),
