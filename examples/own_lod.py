@@ -1,6 +1,9 @@
-"""A level of detail of one's own: a header, a class, and the reference that it is checked against.
+"""A level of detail of your own
+=============================
 
-terrain-lod report ridge -o out --lod examples/own_lod.py:SlopeLod --steep 40
+A header, a class, and the reference that it is checked against::
+
+    terrain-lod report ridge -o out --lod examples/own_lod.py:SlopeLod --steep 40
 """
 
 from dataclasses import dataclass

@@ -1,4 +1,8 @@
-"""A surface and a factor of edges of one's own, each checked against its reference."""
+"""Shapes of your own
+==================
+
+A surface and a factor of edges, each checked against its reference.
+"""
 
 from dataclasses import dataclass
 from pathlib import Path

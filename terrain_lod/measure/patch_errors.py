@@ -31,7 +31,7 @@ def patch_errors(
     Returns
     -------
     (P,) float32
-        In the raster's unit, as :attr:`Mesh.patches`; NaN where nothing was measured.
+        In the raster's unit, patch by patch; NaN where nothing was measured.
         A sample on a border counts for every patch that it borders.
 
     Raises
