@@ -32,7 +32,6 @@ FIRST_SHARE: Final = 0.998
 # and tiles meshed in full
 _LEAST_SHARE: Final = 0.05
 
-
 # arrays with a row a leaf
 _OF_LEAVES: Final = (
     "_leaves",
@@ -313,15 +312,7 @@ class Leaves:
             return False
         self._failed.fill(0)
         self.count += total
-        for name in (
-            "_leaves",
-            "_shares",
-            "_changed",
-            "_unmeasured",
-            "_failed",
-            "measured",
-            "_keys",
-        ):
+        for name in _OF_LEAVES:
             setattr(self, name, _extended(getattr(self, name), total))
         self.factors = DeviceFactors(
             _extended(self.factors.edge, total), _extended(self.factors.inside, total)
@@ -387,5 +378,5 @@ class Leaves:
 def _extended(array: DeviceArray, extra: int) -> DeviceArray:
     """Return a copy with room for so many more rows, all zero."""
     longer = array.device.zeros((array.shape[0] + extra, *array.shape[1:]), array.dtype)
-    longer.write(array.host())
+    longer.paste(array, 0)
     return longer

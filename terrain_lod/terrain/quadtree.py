@@ -241,7 +241,7 @@ class DeviceQuadtree:
         weights = self.device.empty(self.count, np.float32).fill(1.0)
         if of_tiles is None:
             return weights
-        weights.write(of_tiles.host())
+        weights.paste(of_tiles, 0)
         for level, (rows, columns) in list(enumerate(self.shapes))[1:]:
             self.kernel("tree.cl", "lift")(
                 (rows * columns,), (self.group,), tree=self.record(), level=level, weights=weights
