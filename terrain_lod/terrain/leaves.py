@@ -344,7 +344,7 @@ class Leaves:
         self._unmeasured.fill(0)
 
     def tighten(self) -> tuple[int, int]:
-        """Ask leaves that exceed for less; split those that nothing holds for.
+        """Ask leaves that exceed for less; note those that nothing holds for.
 
         Returns
         -------
@@ -369,10 +369,12 @@ class Leaves:
             counts=counts,
         )
         exceeding, refinable = (int(number) for number in counts.host())
-        if refinable:
-            self._split()
-            self._lay_sides()
         return exceeding, refinable
+
+    def refine(self) -> None:
+        """Split what :meth:`tighten` noted, and lay the sides of what has changed."""
+        self._split()
+        self._lay_sides()
 
 
 def _extended(array: DeviceArray, extra: int) -> DeviceArray:

@@ -136,13 +136,15 @@ class Promise:
                 pixels=pixels,
                 weights=weights,
             )
-            refinable, rounds = 1, 0
-            while refinable and rounds < _MOST_ROUNDS:
-                rounds += 1
+            for rounds in range(1, _MOST_ROUNDS + 1):
+                if rounds > 1:
+                    leaves.refine()
                 leaves.fit()
                 made = Tessellated.of(leaves.patches, leaves.factors, self.partitioning)
                 leaves.measure(made.pattern)
                 exceeding, refinable = leaves.tighten()
+                if refinable == 0:
+                    break
             nodes = leaves.drawn()
             there = nodes >= 0
             worst, allowed = leaves.measured.host()[there], leaves.allowed[there]

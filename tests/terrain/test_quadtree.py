@@ -177,3 +177,14 @@ def test_errors_of_patches_of_every_size() -> None:
 def test_levels_that_there_cannot_be(levels: object) -> None:
     with pytest.raises(tl.InputError, match="levels"):
         tl.Terrain(GROUNDS["rough"], levels=levels)
+
+
+def test_a_mesh_out_of_rounds_is_whole(monkeypatch: pytest.MonkeyPatch) -> None:
+    # the first leaf that exceeds is split, and nothing is left to mesh its children
+    monkeypatch.setattr("terrain_lod.terrain.promise._MOST_ROUNDS", 1)
+    monkeypatch.setattr("terrain_lod.terrain.leaves._LEAST_SHARE", 1.0)
+    ground = GROUNDS["fractal"]
+    low, high = ground.height_range
+    mesh = whole(tl.Terrain(ground, tile=4), tl.MaxErrorLod((high - low) * 0.3))
+    assert not mesh.achieved.kept
+    assert_sound(mesh, ground)
