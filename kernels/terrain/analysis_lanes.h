@@ -1,24 +1,18 @@
-// The analysis of ordinary full tiles on a CPU: a row is BLOCKS blocks of eight columns, or, where it
-// has less than eight, of one.
+// The analysis of ordinary full tiles on a CPU: a row is BLOCKS blocks of eight columns.
 //
 // A row that eight does not divide has its last block moved back over columns that others hold, too;
-// what it finds of those is the same. Calls of library functions stop PoCL's compiler from keeping
-// lanes in registers: there are none inside the loops. Rows of a large raster lie a power of two apart,
-// where a cache has few places: heights are read once, and kept for the second pass.
+// what it finds of those is the same. A row of less than eight has lanes without a column: they repeat
+// the tile's first sample, and count for nothing. Calls of library functions stop PoCL's compiler from
+// keeping lanes in registers: there are none inside the loops. Rows of a large raster lie a power of two
+// apart, where a cache has few places: heights are read once, and kept for the second pass.
 #ifndef ANALYSIS_LANES_H
 #define ANALYSIS_LANES_H
 
-#if WIDTH >= 8
 typedef float8 Lanes __attribute__((aligned(4)));     // at any address
+
 #define BLOCKS ((WIDTH + 7) / 8)
-#define FIRST_COLUMN(block) (8 * (block) < WIDTH - 8 ? 8 * (block) : WIDTH - 8)
+#define FIRST_COLUMN(block) (8 * (block) < WIDTH - 8 ? 8 * (block) : WIDTH < 8 ? 0 : WIDTH - 8)
 #define LANE_NUMBERS ((Lanes)(0.0f, 1.0f, 2.0f, 3.0f, 4.0f, 5.0f, 6.0f, 7.0f))
-#else
-typedef float Lanes;
-#define BLOCKS WIDTH
-#define FIRST_COLUMN(block) (block)
-#define LANE_NUMBERS 0.0f
-#endif
 
 // x of a block's columns, from the tile's centre
 #define BLOCK_X(block) (LANE_NUMBERS + (FIRST_COLUMN(block) - 0.5f * TILE))
@@ -28,14 +22,34 @@ typedef struct {
     int nothing;
 } Across;
 
+// lanes with a column as they are, others as `nothing`
+inline Lanes of_columns(Lanes lanes, Lanes nothing)
+{
+    return WIDTH < 8 ? LANE_NUMBERS < (float)WIDTH ? lanes : nothing : lanes;
+}
+
+// A block of a row. With less than eight columns it may reach beyond the tile, but not beyond the raster.
+inline Lanes block_at(TILE_MEMORY const float *row, int block, float first, bool reaches_beyond)
+{
+#if WIDTH < 8
+    if (reaches_beyond) {
+        Lanes lanes = first;
+        for (int column = 0; column < WIDTH; ++column)
+            ((float *)&lanes)[column] = row[column];
+        return lanes;
+    }
+#endif
+    return of_columns(*(TILE_MEMORY const Lanes *)(row + FIRST_COLUMN(block)), (Lanes)first);
+}
+
 // what all columns add up to, halves onto halves
 inline float sum_across(const Lanes *blocks)
 {
-#if WIDTH >= 8 && WIDTH == COLUMNS
+#if WIDTH <= 8 || WIDTH == COLUMNS
     Lanes sums[BLOCKS];
 #pragma unroll
     for (int i = 0; i < BLOCKS; ++i)
-        sums[i] = blocks[i];
+        sums[i] = of_columns(blocks[i], (Lanes)0.0f);
 #pragma unroll
     for (int half_size = BLOCKS / 2; half_size > 0; half_size /= 2)
 #pragma unroll
@@ -63,13 +77,9 @@ inline float sum_across(const Lanes *blocks)
 
 inline float2 range_across(Lanes low, Lanes high)
 {
-#if WIDTH >= 8
     const float4 low4 = SMALLER(low.lo, low.hi), high4 = LARGER(high.lo, high.hi);
     const float2 low2 = SMALLER(low4.lo, low4.hi), high2 = LARGER(high4.lo, high4.hi);
     return (float2)(SMALLER(low2.x, low2.y), LARGER(high2.x, high2.y));
-#else
-    return (float2)(low, high);
-#endif
 }
 
 inline bool has_holes(const TileSamples at)
@@ -84,7 +94,7 @@ inline bool has_holes(const TileSamples at)
 }
 
 // Fit a full tile; false if its heights are not ordinary.
-inline bool fit_full_tile(const TileSamples at, const Grid grid, Fit *fit)
+inline bool fit_full_tile(const TileSamples at, bool reaches_beyond, const Grid grid, Fit *fit)
 {
     // phase 2, down the columns: below each column's first sample
     const float reference = at.heights[0];
@@ -92,14 +102,14 @@ inline bool fit_full_tile(const TileSamples at, const Grid grid, Fit *fit)
     Lanes low = reference, high = reference;
 #pragma unroll
     for (int block = 0; block < BLOCKS; ++block) {
-        offset[block] = *(TILE_MEMORY const Lanes *)(at.heights + FIRST_COLUMN(block));
+        offset[block] = block_at(at.heights, block, reference, reaches_beyond);
         sum[block] = sums[block] = 0.0f;
     }
     TILE_MEMORY const float *heights = at.heights;
     for (int row = 0; row < WIDTH; ++row, heights += at.stride) {
 #pragma unroll
         for (int block = 0; block < BLOCKS; ++block) {
-            const Lanes height = *(TILE_MEMORY const Lanes *)(heights + FIRST_COLUMN(block));
+            const Lanes height = block_at(heights, block, reference, reaches_beyond);
             const Lanes z = height - offset[block];
             below[row * BLOCKS + block] = z;
             low = SMALLER(height, low);
@@ -158,8 +168,10 @@ inline void fit_full_tiles(const Ground ground, __global const int *tiles, int f
         if (cells.cells_across != TILE || cells.cells_down != TILE)
             continue;
         const TileSamples at = tile_samples(ground, cells, store);
+        const size_t last = sample_index(ground.grid, cells.row + TILE, cells.column);
+        const bool beyond = DETAIL || last + 8 > (size_t)ground.grid.rows * ground.grid.columns;
         Fit found;
-        if (!has_holes(at) && fit_full_tile(at, ground.grid, &found))
+        if (!has_holes(at) && fit_full_tile(at, beyond, ground.grid, &found))
             keep_fit(found, WIDTH * WIDTH, fits, i);
     }
 }
