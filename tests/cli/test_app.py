@@ -448,6 +448,7 @@ def test_help_loads_nothing_heavy():
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="breaks the driver as glvnd lets one")
+@pytest.mark.slow
 def test_program_without_opengl_does_all_but_pictures(ground):
     broken = {"__EGL_VENDOR_LIBRARY_FILENAMES": "/nonexistent", "DISPLAY": ""}
     picture = terrain_lod("render", ground, "-o", "view.png", **broken)

@@ -283,6 +283,7 @@ def test_command(tmp_path, monkeypatch, capsys):
 
 
 @needs_graphics
+@pytest.mark.slow
 def test_example(tmp_path):
     child = subprocess.run(
         [
