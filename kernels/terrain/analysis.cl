@@ -67,12 +67,31 @@ inline float height_at(const Samples tile, int row, int column)
 #endif
 #include "terrain/analysis_any.h"
 
-// how much a corner's unit normal points up; of slopes a cell, in scaled heights
+// the normal of a plane with slopes a cell, in scaled heights, not yet of unit length
+inline float3 steep_normal(Grid grid, float slope_x, float slope_y, float scale)
+{
+    return (float3)(clamp(-slope_x / grid.dx, -MAXFLOAT, MAXFLOAT),
+                    clamp(slope_y / grid.dy, -MAXFLOAT, MAXFLOAT), scale);
+}
+
+// its length, for its largest component: squares of steep slopes overflow
+inline float length_by(float3 normal, float largest)
+{
+    const float3 part = normal / largest;
+    return sqrt(part.x * part.x + part.y * part.y + part.z * part.z);
+}
+
+inline float largest_of(float3 normal)
+{
+    return fmax(fmax(fabs(normal.x), fabs(normal.y)), normal.z);
+}
+
+// how much a corner's unit normal points up, compared with others of its tile
 inline float upward(const Samples tile, Grid grid, float slope_x, float slope_y)
 {
-    // a step whose scaled length is infinite leaves tiny heights level
-    return normalize((float3)(slope_x / (grid.dx * tile.scale), slope_y / (grid.dy * tile.scale),
-                              1.0f)).z;
+    const float3 normal = steep_normal(grid, slope_x, slope_y, tile.scale);
+    const float largest = largest_of(normal);
+    return 1.0f / largest / length_by(normal, largest);
 }
 
 // phase 3 as the book has it: the mean of the four corners' unit normals, each across its two edges
@@ -112,15 +131,13 @@ inline Plane least_squares_plane(const Moments m)
     return plane;
 }
 
-// unit normal of a plane in the world: x east, y north, z up
-inline float3 world_normal(const Plane plane, float scale, Grid grid)
+// unit normal of a plane in the world: x east, y north, z up; and what its z is to scaled heights
+inline float4 world_normal(const Plane plane, float scale, Grid grid)
 {
-    const float east = clamp(plane.slope_x / scale / grid.dx, -MAXFLOAT, MAXFLOAT);
-    const float south = clamp(plane.slope_y / scale / grid.dy, -MAXFLOAT, MAXFLOAT);
-    // the largest component first: squares of steep slopes overflow
-    const float largest = fmax(fmax(fabs(east), fabs(south)), 1.0f);
-    const float3 normal = (float3)(-east / largest, south / largest, 1.0f / largest);
-    return normal / sqrt(normal.x * normal.x + normal.y * normal.y + normal.z * normal.z);
+    const float3 normal = steep_normal(grid, plane.slope_x, plane.slope_y, scale);
+    const float largest = largest_of(normal);
+    const float length = length_by(normal, largest);
+    return (float4)(normal / largest / length, 1.0f / largest / length);
 }
 
 inline Samples samples_of(const Ground ground, int index, __local TileStore *store)
@@ -177,11 +194,11 @@ __kernel void analysis(const Grid grid,
             continue;
         // phase 5; a tile without data has no plane: NaN says so
         const float scale = fit.tile.scale, count = fit.moments.count;
-        const float3 normal = world_normal(fit.plane, scale, grid);
-        const float deviation = sqrt(fit.squares / fmax(count - 1.0f, 1.0f)) * normal.z / scale;
+        const float4 normal = world_normal(fit.plane, scale, grid);
+        const float deviation = sqrt(fit.squares / fmax(count - 1.0f, 1.0f)) * normal.w;
         const float height = (fit.plane.height + fit.tile.reference) / scale;
         const float nothing = count > 0.0f ? 0.0f : NAN;
-        planes[index] = (float4)(normal, height + nothing);
+        planes[index] = (float4)(normal.xyz, height + nothing);
         details[index] = (float4)(deviation + nothing, fit.moments.low + nothing,
                                   fit.moments.high + nothing,
                                   fit.tile.rows * fit.tile.columns - count);

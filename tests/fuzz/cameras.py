@@ -44,5 +44,5 @@ def _look(camera: Camera) -> None:
     """Ask a camera what pictures ask."""
     width, height = camera.size
     require(width >= 1 and height >= 1, f"a picture of {width} x {height}")
-    numbers = [*camera.eye, *camera.target, *camera.up, camera.near or 1, camera.far or 1]
+    numbers = [*camera.eye, *camera.target, *camera.up, camera.near, camera.fov]
     require(bool(np.isfinite(np.array(numbers, np.float64)).all()), "a camera that is not finite")

@@ -9,6 +9,7 @@ from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Final
+from unittest.mock import patch
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from fuzz.damage import damaged
 from fuzz.kind import require
 from support.odd_rasters import FLOAT, HILLS, ODD, WHOLE, Maker
 from support.rasters import TILE, write_hgt, write_image
+from terrain_lod.files.rasters import readers_gdal
 from terrain_lod.files.rasters.loading import load
 from terrain_lod.ground.heightmap import Heightmap
 from terrain_lod.terrain.terrain import Terrain
@@ -35,7 +37,10 @@ def trial(chance: random.Random, folder: Path) -> None:
         path = folder / file
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(damaged(content, chance) if file == victim else content)
-    ground = load(folder / name, **told)
+    # as if rasterio were not installed, now and then
+    has = readers_gdal.has_rasterio() and chance.random() < 0.8
+    with patch.object(readers_gdal, "has_rasterio", lambda: has):
+        ground = load(folder / name, **told)
     require_ground(ground)
     if ground.heights.size <= _FEW:
         mesh = Terrain(ground).mesh()
