@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from fuzz import cameras, grounds, ladders, meshes, patches, rasters
+from fuzz import cameras, endurance, grounds, ladders, meshes, patches, rasters
 from fuzz.kind import Kind
 
 KINDS: Final[dict[str, Kind]] = {
@@ -16,4 +16,8 @@ KINDS: Final[dict[str, Kind]] = {
     "ladders": Kind(ladders.trial, share=5),
     # the first of a kind compiles kernels
     "odd ground": Kind(grounds.trial, share=10, seconds=120),
+    "killed writers": Kind(endurance.trial_kills, share=1),
+    "two threads": Kind(endurance.trial_threads, share=1, seconds=60),
+    # ten inputs are 500 rounds, and as many before them
+    "rounds without growth": Kind(endurance.trial_rounds, share=0.1, seconds=120),
 }
