@@ -59,14 +59,14 @@ typedef struct {
     float squares;                  // of the residuals, summed
     float low, high;                // heights as they are
     float count;                    // samples with data
-    float unit;                     // of scaled heights: a power of two, so that float holds squares
+    float scale;                    // a power of two, so that float holds squares
     float reference;                // a height of the tile, scaled
 } Fit;
 
 // the same of TILES tiles
 typedef struct {
     float height[TILES], slope_x[TILES], slope_y[TILES];
-    float squares[TILES], low[TILES], high[TILES], count[TILES], unit[TILES], reference[TILES];
+    float squares[TILES], low[TILES], high[TILES], count[TILES], scale[TILES], reference[TILES];
     int samples[TILES];             // 0: nothing is known of it
     int tile[TILES];                // its number; -1: there is none
 } Fits;
@@ -80,7 +80,7 @@ inline void keep_fit(const Fit fit, int samples, __local Fits *fits, int i)
     fits->low[i] = fit.low;
     fits->high[i] = fit.high;
     fits->count[i] = fit.count;
-    fits->unit[i] = fit.unit;
+    fits->scale[i] = fit.scale;
     fits->reference[i] = fit.reference;
     fits->samples[i] = samples;
 }
@@ -98,20 +98,20 @@ inline Tile tile_cells(const Grid grid, __global const int *tiles, int i)
 
 // phase 3 as the book has it: the mean of the unit normals of the four corners nw, ne, sw, se, each
 // across its two edges
-inline Plane corner_plane(const float4 corners, float unit, int cells_across, int cells_down,
+inline Plane corner_plane(const float4 corners, float scale, int cells_across, int cells_down,
                           const Grid grid, float height)
 {
     const float north = (corners.y - corners.x) / cells_across;
     const float south = (corners.w - corners.z) / cells_across;
     const float west = (corners.z - corners.x) / cells_down;
     const float east = (corners.w - corners.y) / cells_down;
-    // its slope is that of the corners' normals, by how much each of them points up
-    const float4 x = (float4)(north, north, south, south) * unit / grid.dx;
-    const float4 y = (float4)(west, east, west, east) * unit / grid.dy;
-    // the largest component first: squares of steep slopes overflow
-    const float4 largest = fmax(fmax(fmin(fabs(x), MAXFLOAT), fmin(fabs(y), MAXFLOAT)), 1.0f);
-    const float4 a = x / largest, b = y / largest, c = 1.0f / largest;
-    const float4 up = c / sqrt(a * a + b * b + c * c);
+    // its slope is that of the corners' normals, by how much each of them points up. The largest
+    // component first: squares of steep slopes overflow
+    const float4 x = clamp((float4)(north, north, south, south) / grid.dx, -MAXFLOAT, MAXFLOAT);
+    const float4 y = clamp((float4)(west, east, west, east) / grid.dy, -MAXFLOAT, MAXFLOAT);
+    const float4 largest = fmax(fmax(fabs(x), fabs(y)), scale);
+    const float4 a = x / largest, b = y / largest, c = scale / largest;
+    const float4 up = 1.0f / largest / sqrt(a * a + b * b + c * c);
     const float sum = (up.x + up.y) + (up.z + up.w);
     const Plane plane = {height, (north * (up.x + up.y) + south * (up.z + up.w)) / sum,
                          (west * (up.x + up.z) + east * (up.y + up.w)) / sum};
@@ -151,19 +151,19 @@ inline void store_fits(__local const Fits *fits, const Grid grid, __global float
                        __global float4 *details)
 {
     for (int i = LANES * get_local_id(0); i < TILES; i += LANES * GROUP) {
-        const Real unit = REALS(fits->unit, i);
+        const Real scale = REALS(fits->scale, i);
         // the largest component first: squares of steep slopes overflow
-        const Real slope_x = REALS(fits->slope_x, i) * unit / grid.dx;
-        const Real slope_y = REALS(fits->slope_y, i) * unit / grid.dy;
-        const Real east = LARGER(SMALLER(slope_x, MAXFLOAT), -MAXFLOAT);
-        const Real south = LARGER(SMALLER(slope_y, MAXFLOAT), -MAXFLOAT);
-        const Real up = 1.0f / LARGER(LARGER(ABSOLUTE(east), ABSOLUTE(south)), 1.0f);
-        const Real a = -east * up, b = south * up;
-        const Real shorten = 1.0f / sqrt(a * a + b * b + up * up);
-        const Real x = a * shorten, y = b * shorten, z = up * shorten;
+        const Real slope_x = REALS(fits->slope_x, i) / grid.dx;
+        const Real slope_y = REALS(fits->slope_y, i) / grid.dy;
+        const Real east = LARGER(SMALLER(-slope_x, MAXFLOAT), -MAXFLOAT);
+        const Real north = LARGER(SMALLER(slope_y, MAXFLOAT), -MAXFLOAT);
+        const Real shrink = 1.0f / LARGER(LARGER(ABSOLUTE(east), ABSOLUTE(north)), scale);
+        const Real a = east * shrink, b = north * shrink, c = scale * shrink;
+        const Real shorten = 1.0f / sqrt(a * a + b * b + c * c);
+        const Real x = a * shorten, y = b * shorten, z = c * shorten;
         const Real variance = REALS(fits->squares, i) / LARGER(REALS(fits->count, i) - 1.0f, 1.0f);
-        const Real deviation = sqrt(variance) * z * unit;
-        const Real height = (REALS(fits->height, i) + REALS(fits->reference, i)) * unit;
+        const Real deviation = sqrt(variance) * (shrink * shorten);
+        const Real height = (REALS(fits->height, i) + REALS(fits->reference, i)) / scale;
         for (int lane = 0; lane < LANES; ++lane) {
             const int tile = fits->tile[i + lane];
             if (tile < 0)

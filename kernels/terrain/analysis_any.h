@@ -9,7 +9,7 @@ typedef struct {
     TileSamples at;
     int rows, columns;
     float centre_x, centre_y;       // of the tile, in cells
-    float unit, scale, reference;   // the unit of scaled heights, and how many make 1
+    float scale, reference;
 } Samples;
 
 inline bool has_data(const Samples tile, int row, int column)
@@ -147,16 +147,13 @@ inline void fit_any_tile(const Ground ground, int number, __local Fits *fits,
     const Tile cells = tile_at(ground.grid, number);
     Samples tile = {tile_samples(ground, cells, store), cells.cells_down + 1,
                     cells.cells_across + 1, 0.5f * cells.cells_across, 0.5f * cells.cells_down,
-                    1.0f, 1.0f, 0.0f};
+                    1.0f, 0.0f};
     // phase 1: the lowest sample, and a power of two that brings the range near 1
     ADD_UP(range, columns, tile, range_of_column(tile, column));
     // halves: the range of float itself does not fit in a float
     const float half_range = 0.5f * range.high - 0.5f * range.low;
-    if (half_range > 0.0f && half_range < INFINITY) {
-        const int power = clamp(ilogb(half_range), -126, 126);
-        tile.unit = ldexp(1.0f, power);
-        tile.scale = ldexp(1.0f, -power);
-    }
+    if (half_range > 0.0f && half_range < INFINITY)
+        tile.scale = ldexp(1.0f, clamp(-ilogb(half_range), -126, 126));
     tile.reference = isinf(range.low) ? 0.0f : range.low * tile.scale;
     // phase 2, in two passes: means first, then products about them
     ADD_UP(sums, columns, tile, sums_of_column(tile, column));
@@ -173,12 +170,12 @@ inline void fit_any_tile(const Ground ground, int number, __local Fits *fits,
         const int bottom = tile.rows - 1, right = tile.columns - 1;
         const float4 corners = (float4)(height_at(tile, 0, 0), height_at(tile, 0, right),
                                         height_at(tile, bottom, 0), height_at(tile, bottom, right));
-        plane = corner_plane(corners * tile.scale, tile.unit, right, bottom, ground.grid, means.z);
+        plane = corner_plane(corners * tile.scale, tile.scale, right, bottom, ground.grid, means.z);
     }
 #endif
     ADD_UP(residuals, columns, tile, squares_of_column(tile, column, plane));
     if (get_local_id(0) == 0) {
-        const Fit found = {plane, residuals.zz, range.low, range.high, sums.count, tile.unit,
+        const Fit found = {plane, residuals.zz, range.low, range.high, sums.count, tile.scale,
                            tile.reference};
         keep_fit(found, tile.rows * tile.columns, fits, 0);
         fits->tile[0] = number;

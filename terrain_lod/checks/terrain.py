@@ -34,6 +34,7 @@ from .grounds import (
     plain_grounds,
     plain_views,
     planes_and_details,
+    steep_grounds,
     wide_tiles,
 )
 from .tessellation import points_alone
@@ -84,7 +85,7 @@ def _analysis(case: Ground, device: Device) -> Iterator[Difference]:
 
 
 def _grounds_and_wide_tiles() -> dict[str, Ground]:
-    return hard_grounds() | wide_tiles()
+    return steep_grounds() | wide_tiles()
 
 
 ANALYSIS: Final = Check(_analysis, plain_grounds, _grounds_and_wide_tiles)
@@ -222,7 +223,7 @@ def _shift(case: Ground, device: Device) -> Difference:
     return _SHIFT.met_by(same.count(False), 0)
 
 
-DOMAIN: Final = Check(_domain, plain_grounds, hard_grounds)
+DOMAIN: Final = Check(_domain, plain_grounds, steep_grounds)
 
 _KEPT: Final = Bound(
     "triangles beside holes", "triangles", "exact", "places are whole numbers of 2^-16 cells"

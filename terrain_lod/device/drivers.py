@@ -13,8 +13,13 @@ import pyopencl as cl
 
 from ..errors import DeviceError, DeviceMemoryError
 from .info import DeviceInfo, find_device, listing
+from .kernel_cache import provide_kernel_cache
 
 PYOPENCL_VARIABLE: Final = "PYOPENCL_CTX"
+
+# a database in the user's home, which saves nothing that can be measured: where it is damaged or
+# cannot be written, no kernel launches
+cl._PYOPENCL_NO_CACHE = True
 
 _listing_process: int | None = None  # which process has listed devices
 
@@ -36,6 +41,7 @@ def require_own_process() -> None:
 def handles() -> list[cl.Device]:
     global _listing_process
     require_own_process()
+    provide_kernel_cache()
     _listing_process = os.getpid()
     try:
         platforms = cl.get_platforms()

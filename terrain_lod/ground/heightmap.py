@@ -22,6 +22,9 @@ from .detail import between, reached, repeated, require_float32, steps_between
 from .units import symbol
 
 _LARGEST: Final = float(np.finfo(np.float32).max)
+# between samples: positions, and areas of cells, have to stay numbers that float32 holds
+_FINEST: Final = 1e-18
+_COARSEST: Final = 1e18
 
 
 @dataclass(frozen=True, init=False, eq=False)
@@ -66,7 +69,7 @@ class Heightmap:
     ------
     InputError
         If the array is not two-dimensional with at least 2 x 2 samples, is not real, holds
-        infinities or no data at all, or if spacing is not positive.
+        infinities or no data at all, or if spacing is not positive, or beyond 1e-18 to 1e+18.
 
     Examples
     --------
@@ -99,7 +102,7 @@ class Heightmap:
         stored, shift = _to_float32(values, hole)
         self._set("heights", _frozen(stored))
         self._set("mask", _frozen(hole) if hole.any() else None)
-        self._set("spacing", tuple(positive("spacing", step) for step in _pair("spacing", spacing)))
+        self._set("spacing", tuple(_spacing(step) for step in _pair("spacing", spacing)))
         self._set("origin", tuple(finite("origin", value) for value in _pair("origin", origin)))
         self._set("base", finite("base", base) + shift)
         self._set("crs", crs)
@@ -365,13 +368,23 @@ def _within(name: str, part: slice, extent: int) -> slice:
     return slice(index(start), index(stop))
 
 
+def _spacing(step: object) -> float:
+    """Return a distance between samples, or say that float32 cannot hold what comes of it."""
+    checked = positive("spacing", step)
+    if not _FINEST <= checked <= _COARSEST:
+        raise InputError(
+            f"expected spacing from {_FINEST:g} to {_COARSEST:g}, got {checked:g}: is it right?"
+        )
+    return checked
+
+
 def _to_float32(
     values: npt.NDArray[Any], hole: npt.NDArray[np.bool_]
 ) -> tuple[npt.NDArray[np.float32], float]:
     """Return heights in float32 and what was taken off them so that they lose the least."""
     known = values[~hole] if hole.any() else values
     low, high = float(known.min()), float(known.max())
-    if max(-low, high) > _LARGEST:
+    if max(-low, high, high - low) > _LARGEST:
         raise InputError(f"expected heights that float32 can hold, got {low:g} to {high:g}")
     exact = values.dtype.itemsize < 4 or values.dtype == np.float32
     if not exact:

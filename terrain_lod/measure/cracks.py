@@ -174,8 +174,9 @@ def _facing(points: Array, triangles: Indices, *, known: bool) -> tuple[bool, in
     if not known and min(up, down) >= _FOLDED_PART * (up + down):
         return False, 0
     # an area that comes from the corners' rounding says nothing
-    extent = np.abs(across, out=across).max(axis=0, initial=0.0)
-    noise = ROUNDING * np.abs(points[:, :2]).max(initial=0.0) * extent
+    extent = np.abs(across, out=across).reshape(2, 2, -1).max(axis=1, initial=0.0)
+    largest = np.abs(points[:, :2]).max(axis=0, initial=0.0)
+    noise = ROUNDING * np.maximum(largest[0] * extent[1], largest[1] * extent[0])
     return True, int(np.count_nonzero(area < -noise if up >= down else area > noise))
 
 

@@ -41,6 +41,8 @@ def test_no_ground(tmp_path: Path, values: np.ndarray, words: str) -> None:
     [
         ({"spacing": 0}, "spacing > 0, got 0"),
         ({"spacing": (30, -1)}, "spacing > 0, got -1"),
+        ({"spacing": 1e39}, "spacing from 1e-18 to 1e+18, got 1e+39"),
+        ({"spacing": (1, 1e-320)}, "spacing from 1e-18 to 1e+18, got 9.99989e-321"),
         ({"spacing": (1, 2, 3)}, "one or two numbers for spacing, got 3"),
         ({"spacing": float("nan")}, "finite spacing"),
         ({"spacing": "wide"}, "spacing"),
