@@ -87,7 +87,7 @@ def make_demo(
     FileError
         If the folder or a file cannot be written.
     """
-    device = device or Device.open()
+    device = Device.of(device)
     camera = default_camera(ground)
     terrain = Terrain(ground, tile=tile, plane=plane, device=device)
     mesh = terrain.mesh(camera, lod=CoplanarityLod(), cull=False)

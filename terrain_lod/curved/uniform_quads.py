@@ -37,7 +37,8 @@ def uniform_mesh(
     if patches == 0:
         nothing = np.empty((0, 3), np.float32)
         return Mesh(nothing, nothing, np.empty((0, 3), np.int32))
-    edges, insides = (np.full((patches, width), factor, np.float32) for width in (4, 2))
+    with np.errstate(over="ignore"):  # to infinity, which is clamped
+        edges, insides = (np.full((patches, width), factor, np.float32) for width in (4, 2))
     with device.timed() as timeline:
         # clockwise with v down is counter-clockwise with v up
         pattern = tessellate_device(

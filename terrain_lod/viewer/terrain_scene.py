@@ -188,7 +188,7 @@ class TerrainScene(Scene):
     settings: TerrainSettings
 
     def __init__(self, ground: Heightmap, *, device: Device | None = None) -> None:
-        self.ground, self.device = ground, device or Device.open()
+        self.ground, self.device = ground, Device.of(device)
         self.centre = ground.centre
         self.diagonal = float(np.hypot(*ground.extent))
         self.settings = TerrainSettings(diagonal=self.diagonal)

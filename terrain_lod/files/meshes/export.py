@@ -23,9 +23,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final
 
+from ...arguments import file_path
 from ...errors import InputError
 from ...mesh.mesh import Mesh
-from ...mesh.soundness import require_sound
+from ...mesh.soundness import sound_mesh
 from ...paths import replacing
 from .glb import write_glb
 from .raw import ORIGIN_MARK
@@ -62,7 +63,7 @@ def save(mesh: Mesh, path: str | Path) -> Path:
     FileError
         If the folder does not exist or the file cannot be written.
     """
-    path = Path(path)
+    path = file_path("path", path)
     write = FORMATS.get(path.suffix.lower())
     if write is None:
         raise InputError(
@@ -71,7 +72,7 @@ def save(mesh: Mesh, path: str | Path) -> Path:
         )
     if not len(mesh.triangles):
         raise InputError(f"expected triangles to save in {path.name}, got an empty mesh")
-    require_sound(mesh.vertices, mesh.triangles)
+    sound_mesh(mesh)
     with replacing(path) as temporary:
         write(mesh, temporary)
     return path
