@@ -1,0 +1,17 @@
+"""All kinds of input, one a row."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from fuzz import cameras, ladders, meshes, patches, rasters
+from fuzz.kind import Kind
+
+KINDS: Final[dict[str, Kind]] = {
+    "ground": Kind(rasters.trial, share=40),
+    "meshes": Kind(meshes.trial, share=30),
+    "meshes read in a child": Kind(meshes.trial_in_child, share=1),
+    "patches": Kind(patches.trial, share=5),
+    "cameras": Kind(cameras.trial, share=5),
+    "ladders": Kind(ladders.trial, share=5),
+}
