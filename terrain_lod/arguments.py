@@ -72,12 +72,8 @@ def whole(name: str, value: object, low: int, high: int) -> int:
 
 def parts(name: str, value: object, *words: str) -> tuple[Any, ...]:
     """Return the parts of `value`, which are as many as the words that say what they are."""
-    made: tuple[Any, ...] = ()
-    if isinstance(value, Iterable) and not isinstance(value, str | bytes | dict | set):
-        try:
-            made = tuple(value)
-        except TypeError:  # an array of no dimensions
-            made = ()
+    words_alone = isinstance(value, str | bytes | dict | set)
+    made = () if words_alone else tuple(_items(value) or ())
     if len(made) != len(words):
         raise InputError(f"expected {name} as ({', '.join(words)}), got {told(value)}")
     return made
@@ -129,9 +125,18 @@ def instance(what: str, value: object, kind: type[_Some] | UnionType) -> _Some:
 
 def list_of(name: str, value: object, kind: type[_Some]) -> list[_Some]:
     """Return `value` as a list of one class."""
-    if not isinstance(value, Iterable):
+    items = _items(value)
+    if items is None:
         raise InputError(f"expected {name} as a list of {kind.__name__}, got {told(value)}")
-    return [instance(f"a {kind.__name__} for each of {name}", each, kind) for each in value]
+    return [instance(f"a {kind.__name__} for each of {name}", each, kind) for each in items]
+
+
+def _items(value: object) -> list[Any] | None:
+    """Return what is in `value`, None where nothing can be."""
+    try:
+        return list(value)  # type: ignore[call-overload, no-any-return]
+    except TypeError:
+        return None
 
 
 def file_path(name: str, value: object) -> Path:
@@ -180,7 +185,7 @@ def array(
     except (TypeError, ValueError, OverflowError):  # rows of different lengths
         given = np.empty((), object)
     dtype = np.dtype(given.dtype if dtype is None else dtype)
-    kinds = _REAL if dtype.kind in "fO" or not given.size else "biu"
+    kinds = "biu" if dtype.kind in "biu" and given.size else _REAL
     if given.dtype.kind not in kinds:
         real = "real" if kinds == _REAL else "whole"
         raise InputError(f"expected {name} as {real} numbers {wanted}, got {told(value)}")

@@ -37,6 +37,12 @@ class CurvedMesh(Mesh):
         self._keep("source_triangles", ("T", 3), np.int32)
         self._keep("points", (len(self.vertices), 2), np.uint32)
         self._keep("point_offsets", (len(self.source_triangles) + 1,), np.int64)
+        first, last = self.point_offsets[[0, -1]].tolist()
+        if (first, last) != (0, len(self.vertices)) or (np.diff(self.point_offsets) < 0).any():
+            raise InputError(
+                f"expected point_offsets that rise from 0 to {len(self.vertices)}, got {first} to "
+                f"{last}"
+            )
 
     def interpolate(self, values: npt.ArrayLike) -> npt.NDArray[np.float32]:
         """Return what the source has at its vertices, blended: texture coordinates, colours.
@@ -62,8 +68,9 @@ class CurvedMesh(Mesh):
             raise InputError(f"expected values for {wanted} vertices, got shape {given.shape}")
         corners = np.repeat(self.source_triangles, np.diff(self.point_offsets), axis=0)
         u, v = self.points.T.astype(np.float64) / FIXED_ONE
-        blended = sum(
-            weight.reshape(-1, *(1,) * (given.ndim - 1)) * given[corners[:, corner]]
-            for corner, weight in enumerate((u, v, 1 - u - v))
-        )
-        return np.asarray(blended, np.float32)
+        with np.errstate(over="ignore", invalid="ignore"):  # of what is not finite
+            blended = sum(
+                weight.reshape(-1, *(1,) * (given.ndim - 1)) * given[corners[:, corner]]
+                for corner, weight in enumerate((u, v, 1 - u - v))
+            )
+            return np.asarray(blended, np.float32)

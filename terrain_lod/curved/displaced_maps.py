@@ -92,7 +92,7 @@ def map_heights(heights: npt.NDArray[np.float32], textures: Array) -> Array:
 
 def checked_map(heights: npt.ArrayLike) -> npt.NDArray[np.float32]:
     """Return a map as (R, C) float32, or say what it should be."""
-    raster = array("a map of heights", heights, ("R", "C"), np.float32)
+    raster = array("heights of a map", heights, ("R", "C"), np.float32)
     if not raster.size:
         raise InputError(f"expected a map of heights, got shape {raster.shape}")
     return raster

@@ -224,9 +224,8 @@ def edge_factors(
     if factor is None:
         return edge_factors_on_device(patches, lod or UniformFactor(), diagonal, view)
     given = each("factor", factor, adjacency.edges.shape, np.float32)
-    if not ((given >= 1) & (given <= MAX_FACTOR)).all():
-        raise InputError(f"expected factors from 1 to {MAX_FACTOR}, got {given.min():g} to "
-                         f"{given.max():g}")  # fmt: skip
+    if (outside := (given < 1) | (given > MAX_FACTOR)).any():
+        raise InputError(f"expected factor from 1 to {MAX_FACTOR}, got {given[outside][0]:g}")
     of_edge = np.zeros(len(adjacency.sides), np.float32)
     np.maximum.at(of_edge, adjacency.edges.ravel(), given.ravel())
     return patches.device.array(of_edge)

@@ -102,6 +102,8 @@ class Heightmap:
         self._set("spacing", steps("spacing", spacing))
         self._set("origin", numbers("origin", origin, "x", "y"))
         self._set("base", finite("base", base) + shift)
+        if max(map(abs, self.height_range)) > _LARGEST:
+            raise InputError(f"expected elevations that float32 can hold, got a base of {base:g}")
         self._set("crs", None if crs is None else text("crs", crs))
         self._set("units", tuple(text("units", unit) for unit in parts("units", units, *_UNITS)))
         self._set("name", text("name", name))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from ..arguments import array, instance, text
+from ..arguments import array, finite, instance, text
 from ..ground.grid import TileGrid
 
 if TYPE_CHECKING:
@@ -154,7 +154,8 @@ class Mesh:
             self._keep("textures", (len(self.vertices), 2), np.float32)
         if self.crs is not None:
             text("crs", self.crs)
-        instance("a dict for timings", self.timings, dict)
+        for stage, seconds in instance("a dict for timings", self.timings, dict).items():
+            finite(text("a stage of timings", stage), seconds)
         instance("Patches or None for patches", self.patches, Patches | None)
         instance("Achieved or None for achieved", self.achieved, Achieved | None)
 

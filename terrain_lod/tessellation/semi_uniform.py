@@ -212,7 +212,7 @@ def _checked(levels: npt.ArrayLike, maximum: int) -> tuple[npt.NDArray[np.float3
     rows = rows_of("levels", levels, 3)
     if (rows > maximum).any():
         raise InputError(
-            f"expected levels of at most maximum={maximum}, got {rows.max()}: raise maximum, up to "
-            f"{LARGEST_LEVEL}, or lower the levels"
+            f"expected levels of at most maximum={maximum}, got {rows.max():g}: raise maximum, "
+            f"up to {LARGEST_LEVEL}, or lower the levels"
         )
     return rows, maximum
