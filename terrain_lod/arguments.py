@@ -109,8 +109,8 @@ def one_of(name: str, value: object, choices: Collection[str]) -> str:
 
 
 def text(name: str, value: object) -> str:
-    """Return `value` if it is a string."""
-    return instance(f"a string for {name}", value, str)
+    """Return `value` if it is a string, as one of Python's own."""
+    return str(instance(f"a string for {name}", value, str))
 
 
 def instance(what: str, value: object, kind: type[_Some] | UnionType) -> _Some:

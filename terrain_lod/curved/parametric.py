@@ -30,7 +30,9 @@ class Parametric:
     taken: ClassVar[tuple[str, ...]] = ()  # names of arguments
 
     def __post_init__(self) -> None:
-        instance("a header's name or path", self.header, str | Path)
+        if not isinstance(self.header, Path):
+            header = instance("a header's name or path", self.header, str)
+            object.__setattr__(self, "header", str(header))
         for name, number in instance("a dict of Number for numbers", self.numbers, Mapping).items():
             instance(f"a Number for {text('a name of numbers', name)}", number, Number)
         refuse_names(self.numbers, self.taken)

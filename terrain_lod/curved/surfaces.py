@@ -54,7 +54,8 @@ class ParametricSurface(Parametric):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if text("closed", self.closed) not in ("", "u", "v", "uv"):
+        object.__setattr__(self, "closed", text("closed", self.closed))
+        if self.closed not in ("", "u", "v", "uv"):
             raise InputError(f"expected closed to be '', 'u', 'v' or 'uv', got {told(self.closed)}")
         object.__setattr__(self, "twisted", flag("twisted", self.twisted))
         if self.twisted and "u" not in self.closed:

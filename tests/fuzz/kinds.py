@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from fuzz import cameras, functions, ladders, meshes, patches, rasters
+from fuzz import cameras, commands, functions, ladders, meshes, patches, rasters
 from fuzz.kind import Kind
 
 KINDS: Final[dict[str, Kind]] = {
@@ -15,4 +15,5 @@ KINDS: Final[dict[str, Kind]] = {
     "cameras": Kind(cameras.trial, share=5),
     "ladders": Kind(ladders.trial, share=5),
     "functions": Kind(functions.trial, share=50),
+    "commands": Kind(commands.trial, share=10),
 }
