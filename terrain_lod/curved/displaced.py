@@ -23,12 +23,7 @@ from .displaced_normals import corner_kinds, renew_normals_on_device
 from .patch_factors import EdgeFactor
 from .patched_mesh import PatchedMesh, require_curvable
 from .pn import evaluate_on_device, patch_factors_on_device
-from .smooth import (
-    diagonal_of,
-    edge_factors,
-    from_device,
-    view_for,
-)
+from .smooth import diagonal_of, edge_factors, from_device, view_for
 
 
 def displace(

@@ -45,10 +45,7 @@ def uniform_mesh(
             "quad", device.array(edges), device.array(insides), partitioning, clockwise=True
         )
         count = pattern.points.shape[0]
-        device.require(f"{count} vertices", 12 * count, 12 * count)
-        vertices = DeviceVertices(
-            device.empty((count, 3), np.float32), device.empty((count, 3), np.float32)
-        )
+        vertices = DeviceVertices.empty(device, count)
         group = device.group_size(64)
         groups = device.runs(patches)
         evaluate(pattern, vertices, groups * group, group)

@@ -306,30 +306,23 @@ class DeviceArray:
     def copy(self, first: int, end: int) -> DeviceArray:
         """Return another array of the rows from `first` to before `end`."""
         other = self.device.empty((end - first, *self.shape[1:]), self.dtype)
-        row = prod(self.shape[1:]) * self.dtype.itemsize
-        if other.size:
-            with named("copying", self):
-                cl.enqueue_copy(
-                    self.device.queue,
-                    other.buffer,
-                    self.buffer,
-                    src_offset=first * row,
-                    byte_count=other.nbytes,
-                )
+        other._take(self, other.nbytes, src_offset=first * self._row)
         return other
 
     def paste(self, other: DeviceArray, first: int) -> None:
         """Overwrite the rows from `first` on with those of another array on the device."""
-        row = prod(self.shape[1:]) * self.dtype.itemsize
-        if other.size:
+        self._take(other, other.nbytes, dst_offset=first * self._row)
+
+    @property
+    def _row(self) -> int:
+        """Bytes of a row."""
+        return prod(self.shape[1:]) * self.dtype.itemsize
+
+    def _take(self, other: DeviceArray, count: int, **offset: int) -> None:
+        if count:
             with named("copying", other):
-                cl.enqueue_copy(
-                    self.device.queue,
-                    self.buffer,
-                    other.buffer,
-                    dst_offset=first * row,
-                    byte_count=other.nbytes,
-                )
+                queue = self.device.queue
+                cl.enqueue_copy(queue, self.buffer, other.buffer, byte_count=count, **offset)
 
     def fill(self, value: float) -> DeviceArray:
         """Set every element to `value` and return the array."""

@@ -18,16 +18,7 @@ from ..camera.camera import Camera
 from ..errors import InputError
 from ..mesh.mesh import Mesh
 from ..paths import replacing, require_folder
-from .colours import (
-    Colours,
-    facing,
-    hypsometric,
-    lit,
-    lod_colours,
-    mixed,
-    sun_direction,
-    to_bytes,
-)
+from .colours import Colours, facing, hypsometric, lit, lod_colours, mixed, sun_direction, to_bytes
 from .drape import Drape
 from .graphics import require_graphics
 
@@ -68,30 +59,9 @@ def draw(
     drape: Drape | None = None,
     wireframe: bool = False,
 ) -> Picture:
-    """Draw `mesh` as `camera` sees it; its other arguments are those of :func:`render`.
+    """Draw `mesh` as `camera` sees it, perhaps with a picture in place of the tints.
 
-    Parameters
-    ----------
-    mesh : Mesh
-    camera : Camera
-        Its size is the picture's.
-    style : {"shaded", "plain", "wireframe", "lod"}, optional
-    sun, height_range, factor_range : (float, float), optional
-    drape : Drape, optional
-        A picture in place of the tints, for style "shaded".
-    wireframe : bool, optional
-
-    Returns
-    -------
-    (H, W, 3) uint8
-        Red, green, blue; row 0 at the top.
-
-    Raises
-    ------
-    GraphicsError
-        If this machine cannot draw; the message names the command that mends it.
-    InputError
-        If the style is unknown, a range falls, or the picture is larger than drivers allow.
+    All else is as for :func:`render`, what it raises as well.
     """
     if max(camera.size) > _LARGEST_WINDOW:
         raise InputError(f"expected a size of at most {_LARGEST_WINDOW} pixels, got {camera.size}")

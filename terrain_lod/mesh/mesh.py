@@ -175,6 +175,8 @@ class Mesh:
     def save(self, path: str | Path) -> Path:
         """Write the mesh to a file, whole or not at all; the ending chooses the format.
 
+        Of several that save to one name at once, the last is what stays.
+
         Parameters
         ----------
         path : str or pathlib.Path
@@ -188,8 +190,8 @@ class Mesh:
         Raises
         ------
         InputError
-            If the ending is none of these, or if the mesh has no triangle, positions that are not
-            finite or corners that are no vertices.
+            If the ending is none of these, if the mesh has no triangle, positions that are not
+            finite or corners that are no vertices, or if it does not fit the format.
         FileError
             If the file cannot be written.
         """

@@ -10,12 +10,7 @@ import numpy.typing as npt
 from ..device import layout
 from ..device.device import Device, DeviceArray, Kernel
 from ..device.scan import exclusive_scan
-from .hits import (
-    Array,
-    Hits,
-    checked_points,
-    checked_rays,
-)
+from .hits import Array, Hits, checked_points, checked_rays
 from .mesh import Mesh
 from .soundness import sound_mesh
 

@@ -19,21 +19,10 @@ from ..device.device import Device
 from ..errors import InputError
 from ..files.meshes.bpt import as_nets
 from ..mesh.mesh import Mesh
-from .colours import (
-    Paint,
-    by_normal,
-    of_clay,
-    paper,
-)
+from .colours import Paint, by_normal, of_clay, paper
 from .mesh_settings import BezierSettings, CurvedSettings
 from .rig import triangle_seen
-from .scene import (
-    Frame,
-    Pick,
-    Request,
-    Scene,
-    numbered,
-)
+from .scene import Frame, Pick, Request, Scene, numbered
 from .settings import Settings
 
 # rows are where x, y and z go: y up becomes z up

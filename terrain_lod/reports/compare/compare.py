@@ -24,13 +24,7 @@ from ..texts import Steps, csv_text, json_text, write_texts
 from .outcome import SweepReport
 from .page import comparison_page
 from .plots import save_plots
-from .sweep import (
-    contenders,
-    drawn,
-    installed,
-    partitionings,
-    tile_sizes,
-)
+from .sweep import contenders, drawn, installed, partitionings, tile_sizes
 from .trials import Course, Result, run
 from .verdict import findings, speeds
 
