@@ -141,7 +141,7 @@ def check_shape(
     def compare(case: ParametricSurface, device: Device) -> Iterator[Difference]:
         return _on_surface(case, formula, {}, smooth, device)
 
-    return Check(compare, lambda: {"the shape": shape}).worst(device or Device.open())
+    return Check(compare, lambda: {"the shape": shape}).worst(Device.of(device))
 
 
 def _curve(case: Shape, device: Device) -> Iterator[Difference]:

@@ -171,7 +171,7 @@ def check_lod(
     def compare(case: View, device: Device) -> Iterator[Difference]:
         return _factors(case, device, lod, reference)
 
-    return Check(compare, plain_views).worst(device or Device.open())
+    return Check(compare, plain_views).worst(Device.of(device))
 
 
 _POSITION: Final = Bound(

@@ -28,20 +28,14 @@ from .options import (
     Ground,
     GroundOptions,
     MeshingOptions,
+    Output,
+    OutputFolder,
     OverlayOptions,
     Sun,
+    Switch,
     TerrainOptions,
 )
-from .output import (
-    PROGRAM,
-    complain,
-    log,
-    progress_bar,
-    say,
-    say_table,
-    set_verbosity,
-    warn,
-)
+from .output import PROGRAM, complain, log, progress_bar, say, say_table, set_verbosity, warn
 from .pattern import pattern
 from .report import report
 from .smooth import smooth
@@ -62,9 +56,6 @@ app = App(
     suppress_keyboard_interrupt=False,
 )
 app.meta.suppress_keyboard_interrupt = False
-
-Output = Annotated[Path, Parameter(alias="-o", metavar="FILE")]
-OutputFolder = Annotated[Path, Parameter(alias="-o", metavar="DIR")]
 
 
 @app.command(sort_key=1)
@@ -158,7 +149,7 @@ def mesh(
     /,
     *,
     output: Output,
-    cull: Annotated[bool, Parameter(show_default=False)] = False,
+    cull: Switch = False,
     reading: GroundOptions = GroundOptions(),  # noqa: B008
     overlay: OverlayOptions = OverlayOptions(),  # noqa: B008
     view: CameraOptions = CameraOptions(),  # noqa: B008

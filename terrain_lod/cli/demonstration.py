@@ -63,31 +63,11 @@ def make_demo(
     device: Device | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Demo:
-    """Write a GLB mesh, a picture and a report of `ground`.
+    """Write a GLB mesh, a picture and a report of `ground`, as :func:`terrain_lod.report` takes it.
 
-    Parameters
-    ----------
-    ground : Heightmap
-    folder : str or Path
-        Made if it is not there.
-    tile : int, optional
-    plane : {"least_squares", "corners"}, optional
-    device : Device, optional
-    progress : callable, optional
-        Called with steps done and steps in all.
-
-    Returns
-    -------
-    Demo
-
-    Raises
-    ------
-    InputError
-        If an option is not one of these.
-    FileError
-        If the folder or a file cannot be written.
+    Raises what that does.
     """
-    device = device or Device.open()
+    device = Device.of(device)
     camera = default_camera(ground)
     terrain = Terrain(ground, tile=tile, plane=plane, device=device)
     mesh = terrain.mesh(camera, lod=CoplanarityLod(), cull=False)

@@ -47,6 +47,11 @@ _GroundSpacing = Annotated[
     tuple[float, ...] | Literal["map"] | None, numbers("DX[,DY]|map", 1, 2, word="map")
 ]
 _Range = Annotated[tuple[float, float] | None, numbers("LOW,HIGH", 2)]
+Switch = Annotated[bool, Parameter(show_default=False)]
+Output = Annotated[Path, Parameter(alias="-o", metavar="FILE")]
+OutputFolder = Annotated[Path, Parameter(alias="-o", metavar="DIR")]
+Partitioning = Literal["fractional_odd", "fractional_even", "integer", "pow2"]
+AnyPartitioning = Literal[Partitioning, "semi_uniform"]
 Sun = Annotated[tuple[float, float] | None, numbers("AZIMUTH,ELEVATION", 2)]
 
 Ground = Annotated[
@@ -169,7 +174,7 @@ class MeshingOptions:
     edge_rule: Literal["min", "max", "edge"] | None = None
     """Factor of an edge between two tiles: the lower of what they want, the higher, or by the
     edge's own error. Default: edge where an error is kept, else min."""
-    partitioning: Literal["fractional_odd", "fractional_even", "integer", "pow2"] = "fractional_odd"
+    partitioning: Partitioning = "fractional_odd"
     """How the tessellator divides an edge."""
 
 

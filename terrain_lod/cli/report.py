@@ -15,21 +15,16 @@ from .options import (
     CameraOptions,
     GroundOptions,
     MeshingOptions,
+    OutputFolder,
+    Switch,
     TerrainOptions,
 )
-from .output import (
-    log,
-    progress_bar,
-    say,
-    warn,
-)
+from .output import log, progress_bar, say, warn
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
 Ground = Annotated[str | None, Parameter(metavar="GROUND", show_default=False)]
-OutputFolder = Annotated[Path, Parameter(alias="-o", metavar="DIR")]
-Switch = Annotated[bool, Parameter(show_default=False)]
 
 _VIEWS: Final = 3
 

@@ -10,7 +10,7 @@ from cyclopts import Parameter
 from ..arguments import whole
 from ..errors import InputError
 from .lod_options import ViewedOptions
-from .options import CameraOptions, GroundOptions, Sun
+from .options import AnyPartitioning, CameraOptions, GroundOptions, Sun
 from .output import log, say
 
 if TYPE_CHECKING:
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from ..viewer.settings import Settings
 
 Mode = Literal["shaded", "wireframe", "lod", "deviation", "error", "normals"]
-Partitioning = Literal["fractional_odd", "fractional_even", "integer", "pow2", "semi_uniform"]
 
 
 def view(
@@ -34,7 +33,7 @@ def view(
     record: Annotated[Path | None, Parameter(metavar="FILE")] = None,
     frames: int = 60,
     mode: Mode | None = None,
-    partitioning: Partitioning | None = None,
+    partitioning: AnyPartitioning | None = None,
     y_up: bool = False,
     sun: Sun = None,
     tile: int | None = None,

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from ..arguments import array
 from ..device.device import Device
-from ..errors import InputError
 from ..files.meshes.bpt import as_nets, load_bpt
 from ..mesh.mesh import Mesh
 from ..mesh.vertices import DeviceVertices
@@ -57,11 +57,8 @@ def bezier(
         If the mesh does not fit the device.
     """
     nets = load_bpt(patches) if isinstance(patches, str | Path) else as_nets(patches)
-    with np.errstate(over="ignore"):
-        points = nets.astype(np.float32)
-    if not np.isfinite(points).all():
-        raise InputError(f"expected control points within float32, got {np.abs(nets).max():g}")
-    device = device or Device.open()
+    points = array("control points", nets, nets.shape, np.float32)
+    device = Device.of(device)
     padded = np.zeros((len(points), 16, 4), np.float32)
     padded[..., :3] = points.reshape(-1, 16, 3)
 

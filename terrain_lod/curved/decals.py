@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from ..arguments import finite, one_of, positive
+from ..arguments import each, finite, flag, list_of, one_of, positive
 from ..camera.camera import Point, point
 from ..device import layout
 from ..device.device import Device, DeviceArray
@@ -54,9 +54,8 @@ class Decal:
     bias: float = 0.0
 
     def __post_init__(self) -> None:
-        positive("radius", self.radius)
-        finite("scale", self.scale)
-        finite("bias", self.bias)
+        for name, check in (("radius", positive), ("scale", finite), ("bias", finite)):
+            object.__setattr__(self, name, check(name, getattr(self, name)))
         for name in ("point", "normal", "tangent"):
             object.__setattr__(self, name, point(name, getattr(self, name)))
         for name in ("normal", "tangent"):
@@ -110,7 +109,7 @@ def shoot(
     """
     hits = MeshQueries(mesh, device=device).cast(origins, directions)
     numbers = {
-        name: _of_rays(name, values, len(hits))
+        name: each(name, values, (len(hits),))
         for name, values in (("radius", radius), ("scale", scale), ("bias", bias))
     }
     return tuple(
@@ -122,16 +121,6 @@ def shoot(
         )
         for ray in np.flatnonzero(hits.hit)
     )
-
-
-def _of_rays(name: str, values: npt.ArrayLike, count: int) -> Array:
-    """Return a number a ray, (count,), of one for all or one for each."""
-    array = np.asarray(values, np.float64)
-    if array.shape not in ((), (count,)):
-        raise InputError(f"expected one {name}, or one a ray ({count}), got {array.shape}")
-    if not np.isfinite(array).all():
-        raise InputError(f"expected a finite {name}, got {values!r}")
-    return np.broadcast_to(array, count)
 
 
 def _along_horizon(normal: Array) -> Point:
@@ -191,15 +180,15 @@ def dent(
     """
     require_curvable(mesh)
     one_of("partitioning", partitioning, layout.PARTITIONINGS)
-    checked_factor("factor", factor), checked_factor("elsewhere", elsewhere)
+    factor, elsewhere = checked_factor("factor", factor), checked_factor("elsewhere", elsewhere)
+    plane = not flag("curved", curved)
     raster = checked_map(depths)
-    for number, decal in enumerate(decals):
-        if not isinstance(decal, Decal):
-            raise InputError(f"expected decals, got {decal!r} at {number}")
-    records = np.array([decal.record(mesh.origin) for decal in decals], layout.DECAL)
-    device = device or Device.open()
+    records = np.array(
+        [decal.record(mesh.origin) for decal in list_of("decals", decals, Decal)], layout.DECAL
+    )
+    device = Device.of(device)
     with device.timed() as timeline:
-        base = PatchedMesh.upload(mesh, device, plane=not curved)
+        base = PatchedMesh.upload(mesh, device, plane=plane)
         factors = reach_on_device(base.patches, base.nets, records, factor, elsewhere)
 
         def move(_: DevicePattern, positions: DeviceArray) -> None:

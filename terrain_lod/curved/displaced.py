@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
-from ..arguments import finite, one_of
+from ..arguments import finite, flag, one_of
 from ..camera.camera import Camera
 from ..device import layout
 from ..device.device import Device, DeviceArray
@@ -23,12 +23,7 @@ from .displaced_normals import corner_kinds, renew_normals_on_device
 from .patch_factors import EdgeFactor
 from .patched_mesh import PatchedMesh, require_curvable
 from .pn import evaluate_on_device, patch_factors_on_device
-from .smooth import (
-    diagonal_of,
-    edge_factors,
-    from_device,
-    view_for,
-)
+from .smooth import diagonal_of, edge_factors, from_device, view_for
 
 
 def displace(
@@ -91,12 +86,12 @@ def displace(
     """
     require_curvable(mesh)
     one_of("partitioning", partitioning, layout.PARTITIONINGS)
-    finite("scale", scale), finite("bias", bias)
+    scale, bias, plane = finite("scale", scale), finite("bias", bias), not flag("curved", curved)
     raster, coordinates = checked_map(heights), checked_textures(textures, mesh)
     view = view_for(mesh, factor, lod, camera)
-    device = device or Device.open()
+    device = Device.of(device)
     with device.timed() as timeline:
-        base = PatchedMesh.upload(mesh, device, plane=not curved)
+        base = PatchedMesh.upload(mesh, device, plane=plane)
         of_edges = edge_factors(base.patches, base.adjacency, factor, lod, diagonal_of(mesh), view)
         factors = patch_factors_on_device(
             base.patches, base.nets, of_edges, view, cull=False, back_cosine=None

@@ -210,10 +210,7 @@ def _vertices(
 ) -> DeviceVertices:
     """Run one of the kernels that make a vertex of every point."""
     device, count, patches = nets.device, pattern.points.shape[0], nets.shape[0]
-    device.require(f"{count} vertices", count * 12, count * 12)
-    vertices = DeviceVertices(
-        device.empty((count, 3), np.float32), device.empty((count, 3), np.float32)
-    )
+    vertices = DeviceVertices.empty(device, count)
     group = device.group_size(32)
     groups = device.runs(patches)
     device.kernel(f"curved/{stage}.cl", stage, GROUP=group, **defines)(

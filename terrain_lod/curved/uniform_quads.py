@@ -37,17 +37,15 @@ def uniform_mesh(
     if patches == 0:
         nothing = np.empty((0, 3), np.float32)
         return Mesh(nothing, nothing, np.empty((0, 3), np.int32))
-    edges, insides = (np.full((patches, width), factor, np.float32) for width in (4, 2))
+    with np.errstate(over="ignore"):  # to infinity, which is clamped
+        edges, insides = (np.full((patches, width), factor, np.float32) for width in (4, 2))
     with device.timed() as timeline:
         # clockwise with v down is counter-clockwise with v up
         pattern = tessellate_device(
             "quad", device.array(edges), device.array(insides), partitioning, clockwise=True
         )
         count = pattern.points.shape[0]
-        device.require(f"{count} vertices", 12 * count, 12 * count)
-        vertices = DeviceVertices(
-            device.empty((count, 3), np.float32), device.empty((count, 3), np.float32)
-        )
+        vertices = DeviceVertices.empty(device, count)
         group = device.group_size(64)
         groups = device.runs(patches)
         evaluate(pattern, vertices, groups * group, group)

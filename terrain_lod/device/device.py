@@ -19,7 +19,6 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache
 from math import prod
-from operator import index
 from pathlib import Path, PurePosixPath
 from typing import Any, Final
 
@@ -27,6 +26,7 @@ import numpy as np
 import numpy.typing as npt
 import pyopencl as cl
 
+from ..arguments import instance, text, told, whole
 from ..errors import DeviceError, InputError
 from . import layout
 from .drivers import choose, info_of, named, require_own_process
@@ -41,6 +41,7 @@ DEVICE_VARIABLE: Final = "TERRAIN_LOD_DEVICE"
 POCL: Final = "Portable Computing Language"
 
 _LANES: Final = 8  # of a CPU's vectors
+_MOST: Final = 2**31  # tiles, or work-items of a group
 _RUNS: Final = 1024  # launching a group costs a CPU as much as a tile
 # programs that are kept built: ground at two tile sizes and a mesh beside it want no more. PoCL
 # holds 3 to 5 MB for each
@@ -56,6 +57,7 @@ class Device:
     """
 
     def __init__(self, handle: cl.Device) -> None:
+        instance("a device of pyopencl (Device.open() finds one)", handle, cl.Device)
         self.info = info_of(handle)
         if self.info.platform == POCL:
             provide_linker()
@@ -90,8 +92,15 @@ class Device:
         DeviceError
             If there is no such device; the message lists those that exist.
         """
+        if name is not None:
+            text("a device", name)
         with _opening:  # threads share one
             return _open(choose(name or os.environ.get(DEVICE_VARIABLE) or None))
+
+    @classmethod
+    def of(cls, device: Device | None) -> Device:
+        """Return the device that a caller gave, or the default one."""
+        return cls.open() if device is None else instance("a Device for device", device, cls)
 
     def __repr__(self) -> str:
         return f"<Device {self.info}>"
@@ -108,10 +117,12 @@ class Device:
 
     def group_size(self, wanted: int = 64) -> int:
         """Work-items that share one tile or patch: `wanted` on a GPU, one on a CPU."""
+        wanted = whole("wanted", wanted, 1, _MOST)
         return wanted if self.is_gpu else 1
 
     def runs(self, count: int) -> int:
         """Work-groups for `count` tiles or patches: one each on a GPU, runs of them on a CPU."""
+        count = whole("count", count, 0, _MOST)
         return count if self.is_gpu else min(count, _RUNS)
 
     @property
@@ -134,7 +145,8 @@ class Device:
         DeviceMemoryError
             With the bytes wanted and had.
         """
-        require_memory(self.info, self.allocated, what, nbytes)
+        counts = [whole("nbytes", count, 0, 2**63) for count in nbytes]
+        require_memory(self.info, self.allocated, text("what", what), counts)
 
     def require_doubles(self, what: str) -> None:
         """Refuse `what` where the device has no 64-bit floats."""
@@ -154,6 +166,7 @@ class Device:
 
     def array(self, values: npt.NDArray[Any]) -> DeviceArray:
         """Return a copy of host `values` in device memory."""
+        values = np.asarray(instance("an array for values", values, np.ndarray))
         target = self.empty(values.shape, values.dtype)
         target.write(values)
         return target
@@ -179,6 +192,7 @@ class Device:
             If a header from elsewhere cannot be read.
         """
         require_own_process()
+        text("file", file), text("name", name)
         source, content = None, repr(sorted(defines.items()))  # 1, 1.0 and True differ
         if any(isinstance(value, Path) for value in defines.values()):
             source = content = self._source(file, defines)
@@ -247,8 +261,8 @@ class DeviceArray:
 
     def __init__(self, device: Device, shape: tuple[int, ...], dtype: npt.DTypeLike) -> None:
         self.device = device
-        self.shape = tuple(index(extent) for extent in shape)
-        self.dtype: np.dtype[Any] = np.dtype(dtype)
+        self.shape = tuple(whole("shape", extent, 0, 2**63) for extent in shape)
+        self.dtype: np.dtype[Any] = _number_type(dtype)
         # OpenCL has no empty buffers: one element stands in for none
         nbytes = max(self.nbytes, self.dtype.itemsize)
         what = f"an array of {self.shape} {self.dtype.name}"
@@ -292,30 +306,23 @@ class DeviceArray:
     def copy(self, first: int, end: int) -> DeviceArray:
         """Return another array of the rows from `first` to before `end`."""
         other = self.device.empty((end - first, *self.shape[1:]), self.dtype)
-        row = prod(self.shape[1:]) * self.dtype.itemsize
-        if other.size:
-            with named("copying", self):
-                cl.enqueue_copy(
-                    self.device.queue,
-                    other.buffer,
-                    self.buffer,
-                    src_offset=first * row,
-                    byte_count=other.nbytes,
-                )
+        other._take(self, other.nbytes, src_offset=first * self._row)
         return other
 
     def paste(self, other: DeviceArray, first: int) -> None:
         """Overwrite the rows from `first` on with those of another array on the device."""
-        row = prod(self.shape[1:]) * self.dtype.itemsize
-        if other.size:
+        self._take(other, other.nbytes, dst_offset=first * self._row)
+
+    @property
+    def _row(self) -> int:
+        """Bytes of a row."""
+        return prod(self.shape[1:]) * self.dtype.itemsize
+
+    def _take(self, other: DeviceArray, count: int, **offset: int) -> None:
+        if count:
             with named("copying", other):
-                cl.enqueue_copy(
-                    self.device.queue,
-                    self.buffer,
-                    other.buffer,
-                    dst_offset=first * row,
-                    byte_count=other.nbytes,
-                )
+                queue = self.device.queue
+                cl.enqueue_copy(queue, self.buffer, other.buffer, byte_count=count, **offset)
 
     def fill(self, value: float) -> DeviceArray:
         """Set every element to `value` and return the array."""
@@ -383,6 +390,17 @@ class Kernel:
             case DeviceArray(device=self.device, dtype=parameter.dtype) if not parameter.is_local:
                 return value.buffer
         raise parameter.refusal(value)
+
+
+def _number_type(dtype: npt.DTypeLike) -> np.dtype[Any]:
+    """Return a dtype of numbers, or of records of them."""
+    try:
+        made = np.dtype(dtype)
+    except (TypeError, ValueError):
+        raise InputError(f"expected a dtype, got {told(dtype)}") from None
+    if made.hasobject or made.kind not in "biufV":
+        raise InputError(f"expected a dtype of numbers, got {made}")
+    return made
 
 
 @cache

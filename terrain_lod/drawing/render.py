@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..arguments import one_of
+from ..arguments import file_path, instance, one_of
 from ..camera.camera import Camera
 from ..camera.viewpoint import camera_around, default_camera
 from ..device.device import Device
@@ -88,11 +88,12 @@ def render(
     --------
     >>> picture = render(tl.sample("ridge"), "ridge.png", style="lod")      # doctest: +SKIP
     """
-    if not isinstance(what, Heightmap | Terrain | Mesh):
-        raise InputError(f"expected ground, a terrain or a mesh, got {type(what).__name__}")
+    instance("ground, a terrain or a mesh", what, Heightmap | Terrain | Mesh)
     _refuse(what, lod=lod, texture=texture, device=device)
     if style is not None:
         one_of("style", style, STYLES)
+    if camera is not None:
+        instance("a Camera for camera", camera, Camera)
     if path is not None:
         require_png(path)
     require_graphics()
@@ -101,8 +102,8 @@ def render(
     drape = None
     if isinstance(what, Terrain):
         ground = what.ground
-        drape = None if texture is None else Drape.load(Path(texture), ground)
-        height_range = height_range or ground.height_range
+        drape = None if texture is None else Drape.load(file_path("texture", texture), ground)
+        height_range = ground.height_range if height_range is None else height_range
         camera = camera or default_camera(ground)
         what = what.mesh(camera, lod=lod)
     elif camera is None:
@@ -112,7 +113,7 @@ def render(
         what,
         camera,
         style=style or ("shaded" if is_ground else "plain"),
-        sun=sun or (SUN if is_ground else SUN_ON_MESHES),
+        sun=(SUN if is_ground else SUN_ON_MESHES) if sun is None else sun,
         height_range=height_range,
         factor_range=factor_range,
         drape=drape,

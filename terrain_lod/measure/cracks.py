@@ -21,9 +21,10 @@ from typing import Final, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from ..arguments import flag
 from ..mesh.mesh import Mesh
 from ..mesh.open_edges import Indices, topology, weld
-from ..mesh.soundness import require_sound
+from ..mesh.soundness import sound_mesh
 from .opposed_edges import ROUNDING, Pieces, opposed_pieces
 
 # a heightfield's triangles face one way, but for this part of their area
@@ -138,7 +139,7 @@ def crack_report(mesh: Mesh, *, closed: bool = False) -> CrackReport:
     >>> if report := crack_report(mesh):                        # doctest: +SKIP
     ...     print(report)
     """
-    require_sound(mesh.vertices, mesh.triangles)
+    mesh, closed = sound_mesh(mesh), flag("closed", closed)
     numbers = weld(mesh.vertices)
     points = np.empty((int(numbers.max(initial=-1)) + 1, 3))
     points[numbers] = mesh.vertices

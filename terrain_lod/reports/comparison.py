@@ -109,22 +109,7 @@ def compare_pair(
 ) -> Comparison:
     """Mesh and measure both levels of detail, and distance LOD at equal triangle counts.
 
-    Parameters
-    ----------
-    terrain : Terrain
-    camera : Camera
-    distance : DistanceLod
-    lod : Lod, PromiseLod or Weighted
-        What it is compared with.
-    edge_rule, partitioning : str, optional
-        As for :meth:`terrain_lod.Terrain.mesh`.
-    step : callable, optional
-        Called after each of the three trials.
-
-    Raises
-    ------
-    InputError
-        If `lod` is distance LOD itself, without weights.
+    Calls `step` after each of the three trials; the rest is as for :func:`terrain_lod.report`.
     """
     if isinstance(lod, DistanceLod):
         raise InputError("expected another level of detail than distance, which it is compared to")

@@ -11,12 +11,7 @@ import numpy.typing as npt
 
 from ..camera.camera import Camera
 from ..device.layout import MAX_TILE
-from ..drawing.colours import (
-    LOD_STOPS,
-    hypsometric,
-    lit,
-    sun_direction,
-)
+from ..drawing.colours import LOD_STOPS, hypsometric, lit, sun_direction
 from ..ground.grid import TileGrid
 from ..ground.heightmap import Heightmap
 from ..paths import replacing

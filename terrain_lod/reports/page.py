@@ -6,16 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from .comparison import EQUAL_SHARE, Comparison, Trial
-from .html import (
-    card,
-    definitions,
-    figure,
-    formatted,
-    paragraph,
-    row_of_figures,
-    section,
-    table,
-)
+from .html import card, definitions, figure, formatted, paragraph, row_of_figures, section, table
 from .maps import factor_range
 from .pictures import VISIBLE_DIFFERENCE, Difference
 from .tables import Row, rasterised_share

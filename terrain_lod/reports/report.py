@@ -7,12 +7,12 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Final
 
+from ..arguments import file_path, instance
 from ..camera.camera import Camera
 from ..camera.viewpoint import default_camera
 from ..device.device import Device
 from ..device.layout import DEFAULT_TILE
 from ..drawing.graphics import graphics_problem
-from ..errors import InputError
 from ..ground.heightmap import Heightmap
 from ..paths import require_made
 from ..terrain.lod import AnyLod, checked_lod, unweighted
@@ -109,21 +109,22 @@ def report(
     """
     lod = CoplanarityLod() if lod is None else checked_lod(lod)
     distance = DistanceLod() if distance is None else distance
-    if not isinstance(distance, DistanceLod):
-        raise InputError(f"expected a DistanceLod for distance, got {distance!r}")
+    instance("a DistanceLod for distance", distance, DistanceLod)
+    folder = file_path("folder", folder)
     step = Steps(progress, _STEPS)
     terrain = Terrain(ground, tile=tile, plane=plane, device=device)
     step()
+    camera = default_camera(ground) if camera is None else camera
     comparison = compare_pair(
         terrain,
-        camera or default_camera(ground),
+        instance("a Camera for camera", camera, Camera),
         distance=distance,
         lod=lod,
         edge_rule=edge_rule,
         partitioning=partitioning,
         step=step,
     )
-    folder = require_made(Path(folder))
+    folder = require_made(folder)
     files, difference = save_pictures(comparison, folder, step)
     files["maps"] = save_maps(comparison, folder / "maps.svg")
     step()

@@ -58,8 +58,9 @@ def _at_equal_triangles(comparison: Comparison) -> str:
     if ours.error.rms < theirs.error.rms:
         gain = 1 - ours.error.rms / theirs.error.rms
         return f"{opening} {ours.name} LOD is {gain:.1%} closer to the ground: {numbers}."
-    loss = ours.error.rms / theirs.error.rms - 1
+    # distance alone may have no error at all
+    loss = f"{ours.error.rms / theirs.error.rms - 1:.1%} " if theirs.error.rms else ""
     return (
-        f"{opening} {ours.name} LOD is {loss:.1%} farther from the ground: {numbers}. "
+        f"{opening} {ours.name} LOD is {loss}farther from the ground: {numbers}. "
         "At this camera distance alone places triangles better."
     )

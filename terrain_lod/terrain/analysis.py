@@ -106,7 +106,7 @@ def analyse(
     Zink, Pettineo, Hoxley: *Practical Rendering and Computation with Direct3D 11*, section 9.1.2.
     """
     one_of("plane", plane, PLANES)
-    uploaded = DeviceGround.upload(Relief(ground), tile, device or Device.open())
+    uploaded = DeviceGround.upload(Relief(ground), tile, Device.of(device))
     return TileAnalysis.of(uploaded.grid, analyse_on_device(uploaded, plane=plane))
 
 

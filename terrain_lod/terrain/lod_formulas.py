@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar, Final
 
+from ..arguments import instance
 from ..device.layout import MAX_TILE
 from ..numbered import TILE, Number, number
 from .lod import Lod, Scene
@@ -126,10 +127,11 @@ class CoplanarityLod(Lod):
     swept: ClassVar[str] = "maximum"
 
     def parameters(self, scene: Scene) -> dict[str, float]:
+        far = _far(self, scene)
         rough = scene.rough_deviation if self.full_deviation is None else self.full_deviation
         # on perfectly flat ground any positive number means flat
         full = rough if rough > 0 else 1.0
-        return {**self.numbers(), "far": _far(self, scene), "full_deviation": full}
+        return {**self.numbers(), "far": far, "full_deviation": full}
 
 
 @dataclass(frozen=True)
@@ -154,4 +156,5 @@ class ScreenAreaLod(Lod):
 
 
 def _far(lod: DistanceLod | CoplanarityLod, scene: Scene) -> float:
-    return lod.near + scene.diagonal if lod.far is None else lod.far
+    diagonal = instance("a Scene", scene, Scene).diagonal
+    return lod.near + diagonal if lod.far is None else lod.far

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from ..arguments import one_of, whole
+from ..arguments import file_path, flag, instance, one_of, whole
 from ..camera.camera import Camera
 from ..device import layout
 from ..device.device import Device
@@ -93,7 +93,7 @@ class Terrain:
         device: Device | None = None,
     ) -> None:
         self.levels = None if levels is None else whole("levels", levels, 1, layout.MAX_LEVELS)
-        relief, device = Relief(ground, detail), device or Device.open()
+        relief, device = Relief(ground, detail), Device.of(device)
         self._tiles = DeviceTiles.of(DeviceGround.upload(relief, tile, device), plane=plane)
         self._turns, self._measuring = Turns(), threading.Lock()
 
@@ -148,7 +148,7 @@ class Terrain:
         FileError
             If the file cannot be written.
         """
-        path = Path(path)
+        path = file_path("path", path)
         with self._turns.reading():
             tiles = self._with_ladder()
             assert tiles.ladder is not None
@@ -164,12 +164,13 @@ class Terrain:
         FileError
             If the file cannot be read, or is the ladder of other ground or of other tiles.
         """
+        path = file_path("path", path)
         with self._turns.changing():
             tiles = self._tiles
             ladder = empty_ladder(self.device, tiles.grid)
             shapes = {name: array.shape for name, array in ladder.measured().items()}
             key = fingerprint(tiles.ground.relief, tiles.grid.tile)
-            arrays = read_ladder(Path(path), key, shapes)
+            arrays = read_ladder(path, key, shapes)
             for name, array in ladder.measured().items():
                 array.write(arrays[name])
             self._tiles = replace(tiles, ladder=ladder)
@@ -255,11 +256,15 @@ class Terrain:
         if lod is None:
             lod = UniformLod(self.grid.tile) if camera is None else ScreenErrorLod()
         lod = checked_lod(lod)
+        if camera is not None:
+            instance("a Camera for camera", camera, Camera)
         one_of("partitioning", partitioning, layout.PARTITIONINGS)
         if camera is None and lod.needs_camera:
             raise InputError(f"{type(lod).__name__} needs a camera, got none")
-        cull = cull and camera is not None
+        cull = flag("cull", cull) and camera is not None
         weighted, lod = lod, unweighted(lod)
+        if edge_rule is None:
+            edge_rule = "edge" if isinstance(lod, PromiseLod) else "min"
         with self._turns.reading(), self.device.timed() as timeline:
             tiles = self._tiles
             if isinstance(lod, PromiseLod):
@@ -270,12 +275,12 @@ class Terrain:
                     tiles, camera, horizon=weighted.horizon, silhouette=weighted.silhouette
                 )
             if isinstance(lod, PromiseLod):
-                promise = Promise(tiles, camera, partitioning, edge_rule or "edge", cull, weights)
+                promise = Promise(tiles, camera, partitioning, edge_rule, cull, weights)
                 kept = promise.keep(lod)
                 made, nodes = kept.made, kept.nodes
             else:
                 factors = hull_on_device(
-                    tiles, lod, camera, edge_rule=edge_rule or "min", cull=cull, weights=weights
+                    tiles, lod, camera, edge_rule=edge_rule, cull=cull, weights=weights
                 )
                 made, nodes = Tessellated.of(tiles.patch_set, factors, partitioning), None
             return mesh_of(made, *tiles.described(nodes), timeline)

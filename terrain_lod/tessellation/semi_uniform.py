@@ -16,11 +16,12 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from ..arguments import one_of, whole
+from ..arguments import flag, one_of, whole
 from ..device.device import Device, DeviceArray
 from ..device.layout import FIXED_BITS
 from ..device.scan import exclusive_scan
 from ..errors import InputError
+from .factors import rows_of
 from .pattern import TOPOLOGIES, DevicePattern, Pattern
 from .queues import Queues, queues_of
 from .room import room_for_pattern
@@ -88,9 +89,9 @@ def semi_uniform(
     if len(checked) == 0:
         return Pattern.of_nothing("triangle", "semi_uniform", corners=3)
     pattern = semi_uniform_device(
-        (device or Device.open()).array(checked),
+        Device.of(device).array(checked),
         maximum=maximum,
-        keep_degenerate=keep_degenerate,
+        keep_degenerate=flag("keep_degenerate", keep_degenerate),
         clockwise=topology == "clockwise",
     )
     return pattern.host("triangle", "semi_uniform")
@@ -208,19 +209,10 @@ def lattice(level: int) -> Lattice:
 def _checked(levels: npt.ArrayLike, maximum: int) -> tuple[npt.NDArray[np.float32], int]:
     """Return levels as (P, 3) float32 and the largest allowed, or say what does not fit."""
     maximum = whole("maximum", maximum, 0, LARGEST_LEVEL)
-    try:
-        rows = np.asarray(levels)
-    except ValueError:  # rows of different lengths
-        raise InputError(f"expected levels (P, 3), got {levels!r}") from None
-    if rows.shape == (0,):
-        rows = np.empty((0, 3))
-    if rows.ndim != 2 or rows.shape[1] != 3:
-        raise InputError(f"expected levels (P, 3), one an edge, got shape {rows.shape}")
-    if rows.dtype.kind not in "biuf":
-        raise InputError(f"expected levels of real numbers, got an array of {rows.dtype}")
+    rows = rows_of("levels", levels, 3)
     if (rows > maximum).any():
         raise InputError(
-            f"expected levels of at most maximum={maximum}, got {rows.max()}: raise maximum, up to "
-            f"{LARGEST_LEVEL}, or lower the levels"
+            f"expected levels of at most maximum={maximum}, got {rows.max():g}: raise maximum, "
+            f"up to {LARGEST_LEVEL}, or lower the levels"
         )
-    return np.ascontiguousarray(rows, np.float32), maximum
+    return rows, maximum

@@ -16,22 +16,9 @@ from ..ground.heightmap import Heightmap
 from ..measure.error import vertical_error
 from ..measure.screen_error import screen_error
 from ..terrain.terrain import Terrain
-from .colours import (
-    Paint,
-    by_deviation,
-    by_error,
-    by_height,
-    by_normal,
-    paper,
-)
+from .colours import Paint, by_deviation, by_error, by_height, by_normal, paper
 from .rig import ground_seen, height_at
-from .scene import (
-    Frame,
-    Pick,
-    Request,
-    Scene,
-    numbered,
-)
+from .scene import Frame, Pick, Request, Scene, numbered
 from .terrain_settings import TerrainSettings
 
 _LARGE: Final = 2**22  # samples beyond which the number of small tiles costs more than they save
@@ -188,7 +175,7 @@ class TerrainScene(Scene):
     settings: TerrainSettings
 
     def __init__(self, ground: Heightmap, *, device: Device | None = None) -> None:
-        self.ground, self.device = ground, device or Device.open()
+        self.ground, self.device = ground, Device.of(device)
         self.centre = ground.centre
         self.diagonal = float(np.hypot(*ground.extent))
         self.settings = TerrainSettings(diagonal=self.diagonal)

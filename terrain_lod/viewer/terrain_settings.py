@@ -11,14 +11,7 @@ from ..numbered import TILE, begin, numbers_of, with_number
 from ..terrain.lod import WEIGHTS, AnyLod, Lod, PromiseLod, Weighted
 from ..terrain.lod_formulas import UniformLod
 from ..terrain.lods import LODS
-from .settings import (
-    SHARED,
-    SUN,
-    Choice,
-    Settings,
-    Slider,
-    slider_of,
-)
+from .settings import SHARED, SUN, Choice, Settings, Slider, slider_of
 
 MODES: Final = ("shaded", "wireframe", "lod", "deviation", "error", "normals")
 # each half as many again: kernels are built for each, which takes a second or two the first time

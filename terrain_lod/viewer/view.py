@@ -13,6 +13,7 @@ from typing import Any, Final
 
 import numpy.typing as npt
 
+from ..arguments import file_path, instance
 from ..camera.camera import Camera
 from ..device.device import Device
 from ..errors import GraphicsError
@@ -62,12 +63,13 @@ def view(
     GraphicsError
         If there is no display, or nothing can be drawn.
     """
-    model = _model(what, settings, device)
+    model, path = _model(what, settings, device), _recorded(record)
+    eye = _eye(camera, model)
     require_display()
-    window = Window(model, camera or model.scene.camera())
+    window = Window(model, eye)
     try:
         controls = Controls(window)
-        controls.record(None if record is None else Path(record))
+        controls.record(path)
         interactor = window.plotter.iren.interactor
         interactor.Initialize()
         interactor.AddObserver("TimerEvent", lambda *_: controls.pump())
@@ -115,9 +117,9 @@ def look(
     GraphicsError
         If nothing can be drawn.
     """
-    model = _model(what, settings, device)
-    movie = None if record is None else Movie(record)
-    window = Window(model, camera or model.scene.camera(), off_screen=True)
+    model, path = _model(what, settings, device), _recorded(record)
+    movie = None if path is None else Movie(path)
+    window = Window(model, _eye(camera, model), off_screen=True)
     try:
         window.settle(measured=True)
         if picture is not None:
@@ -171,9 +173,18 @@ def _model(
     else:
         scene = scene_of(what, device=device)
         model = Model(lambda: scene)
-    for name, value in (settings or {}).items():
+    given = instance("a dict for settings", {} if settings is None else settings, Mapping)
+    for name, value in given.items():
         model.scene.settings = model.scene.settings.changed(name, value)
     return model
+
+
+def _eye(camera: Camera | None, model: Model) -> Camera:
+    return model.scene.camera() if camera is None else instance("a Camera", camera, Camera)
+
+
+def _recorded(record: str | Path | None) -> Path | None:
+    return None if record is None else file_path("record", record)
 
 
 @contextmanager

@@ -4,7 +4,17 @@ from __future__ import annotations
 
 from typing import Final
 
-from fuzz import cameras, endurance, grounds, ladders, meshes, patches, rasters
+from fuzz import (
+    cameras,
+    commands,
+    endurance,
+    functions,
+    grounds,
+    ladders,
+    meshes,
+    patches,
+    rasters,
+)
 from fuzz.kind import Kind
 
 KINDS: Final[dict[str, Kind]] = {
@@ -20,4 +30,6 @@ KINDS: Final[dict[str, Kind]] = {
     "two threads": Kind(endurance.trial_threads, share=1, seconds=60),
     # ten inputs are 500 rounds, and as many before them
     "rounds without growth": Kind(endurance.trial_rounds, share=0.1, seconds=120),
+    "functions": Kind(functions.trial, share=50),
+    "commands": Kind(commands.trial, share=10),
 }

@@ -252,6 +252,7 @@ def test_verdict_follows_the_numbers(made):
         0.8 * ours.error.rms
     )
     assert "equally far" in at_equal_counts(ours.error.rms)
+    assert "coplanarity LOD is farther from the ground" in at_equal_counts(0.0)
     # the other way round, coplanarity draws more
     swapped = replace(comparison, distance=ours, other=comparison.distance)
     assert "more triangles than distance LOD" in verdict(swapped, None)[0]

@@ -256,9 +256,9 @@ def test_any_mesh_can_be_asked() -> None:
 @pytest.mark.parametrize(
     ("ask", "message"),
     [
-        (lambda t: t.height_at([1, 2, 3]), r"points of shape \(n, 2\), got \(3,\)"),
+        (lambda t: t.height_at([1, 2, 3]), r"points of shape \(N, 2\), got \(3,\)"),
         (lambda t: t.height_at([[0, np.nan]]), "finite points"),
-        (lambda t: t.height_at("here"), "numbers of shape"),
+        (lambda t: t.height_at("here"), "points as real numbers"),
         (lambda t: t.cast([[0, 0, 1]], [[0, 0, 0]]), "directions, got .* for ray 0"),
         (lambda t: t.cast(np.zeros((2, 3)), np.ones((3, 3))), "got 2 and 3"),
         (lambda t: t.cast([[0, np.inf, 0]], [[0, 0, 1]]), "finite origins"),

@@ -119,11 +119,11 @@ def test_masked_elements_and_whole_numbers_are_taken() -> None:
         (slice(0, 1), slice(-2, 3), np.ones((1, 5)), "columns within"),
         (slice(0, 9, 2), slice(0, 1), np.ones((5, 1)), "rows within"),
         (slice(5, 5), slice(0, 1), np.ones((0, 1)), "rows within"),
-        (3, slice(0, 1), np.ones((1, 1)), "rows as a slice"),
+        (3, slice(0, 1), np.ones((1, 1)), "a slice for rows, got 3"),
         (slice(0, 2), slice(0, 2), np.ones((2, 3)), r"shape \(2, 2\), got \(2, 3\)"),
         (slice(0, 1), slice(0, 2), [[1.0, -np.inf]], "finite heights, got -inf"),
         (slice(0, 1), slice(0, 1), [[1e39]], "float32"),
-        (slice(0, 1), slice(0, 1), [["high"]], "real heights"),
+        (slice(0, 1), slice(0, 1), [["high"]], "heights as real numbers"),
         (slice(None), slice(None), np.full((31, 31), np.nan), "data to be left"),
     ],
 )

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
-from ...arguments import finite
+from ...arguments import file_path, finite, numbers
 from ...errors import FileError, InputError, TerrainError
 from ...ground.heightmap import Heightmap
 from .formats import format_of
@@ -128,7 +127,7 @@ def load(
         guess; if PROJ refuses the CRS; if a value that no ground has (-9999, -32768, 3.4e38 ...)
         stands among heights and nobody said that it is nodata.
     """
-    path = Path(path)
+    path = file_path("path", path)
     part = Part.of(bounds, window, overview, band)
     numbered = None if tile is None else checked_tile(tile)
     form, name = format_of(path)
@@ -232,10 +231,8 @@ def _holes(raster: Raster, nodata: float | None) -> npt.NDArray[np.bool_] | None
     """Return where the file's own mask or its nodata value is, None if it can be nowhere."""
     if nodata is None:
         return raster.mask
-    try:
-        value = float(nodata)
-    except (TypeError, ValueError):
-        raise InputError(f"expected a number for nodata, got {nodata!r}") from None
+    # it may be infinite, or NaN
+    value = float(nodata) if isinstance(nodata, float | np.floating) else finite("nodata", nodata)
     hole = is_nodata(raster.values, value)
     return hole if raster.mask is None else hole | raster.mask
 
@@ -253,9 +250,7 @@ def _stretched(
     raster: Raster, name: str, height_range: tuple[float, float]
 ) -> npt.NDArray[np.float64]:
     """Return heights with the whole range of the integers laid over `height_range`."""
-    if not isinstance(height_range, Iterable) or len(tuple(height_range)) != 2:
-        raise InputError(f"expected height_range as (low, high), got {height_range!r}")
-    low, high = (finite("height_range", height) for height in height_range)
+    low, high = numbers("height_range", height_range, "low", "high")
     if low >= high:
         raise InputError(f"expected height_range from low to high, got {low:g} to {high:g}")
     if raster.values.dtype.kind not in "iu":

@@ -12,9 +12,9 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Final
 
-from ...arguments import whole
+from ...arguments import file_path, instance, whole
 from ...device.device import Device
-from ...device.layout import DEFAULT_TILE
+from ...device.layout import DEFAULT_TILE, MAX_TILE
 from ...drawing.graphics import graphics_problem
 from ...drawing.picture import draw, save_png
 from ...ground.heightmap import Heightmap
@@ -24,13 +24,7 @@ from ..texts import Steps, csv_text, json_text, write_texts
 from .outcome import SweepReport
 from .page import comparison_page
 from .plots import save_plots
-from .sweep import (
-    contenders,
-    drawn,
-    installed,
-    partitionings,
-    tile_sizes,
-)
+from .sweep import contenders, drawn, installed, partitionings, tile_sizes
 from .trials import Course, Result, run
 from .verdict import findings, speeds
 
@@ -87,12 +81,12 @@ def compare(
     InputError, FileError, DeviceMemoryError
         If an option is not one of these, a file cannot be written, or the device is too small.
     """
-    views = whole("views", views, 1, 100)
-    folder = require_made(Path(folder))
-    course = Course(ground, views, device or Device.open())
-    course.terrain(tile)  # a wrong tile is refused before anything takes time
+    instance("a Heightmap for ground", ground, Heightmap)
+    views, tile = whole("views", views, 1, 100), whole("tile", tile, 1, MAX_TILE)
+    folder, course = file_path("folder", folder), Course(ground, views, Device.of(device))
     groups = contenders(ground, tile), tile_sizes(ground), partitionings(tile)
     step = Steps(progress, sum(map(len, groups)) + 1)
+    require_made(folder)
     sweep, tiles, ways = (run(course, group, step) for group in groups)
     made = SweepReport(
         course,

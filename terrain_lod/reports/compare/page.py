@@ -5,14 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Final
 
-from ..html import (
-    card,
-    figure,
-    listing,
-    paragraph,
-    row_of_figures,
-    section,
-)
+from ..html import card, figure, listing, paragraph, row_of_figures, section
 from ..template import filled_page
 from .outcome import SweepReport
 from .trials import Result
