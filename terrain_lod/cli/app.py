@@ -90,6 +90,7 @@ def demo(
             heights,
             output,
             tile=terrain.tile,
+            levels=terrain.levels,
             plane=terrain.plane,
             device=terrain.open(),
             progress=progress,
@@ -142,10 +143,10 @@ def render(
     log("%r", heights)
     options: dict[str, Any] = {"style": style} if sun is None else {"style": style, "sun": sun}
     if many.many:
-        made = terrain.make(heights, added)
+        made = terrain.make(heights, chosen, added)
         return many.render(made, camera, output, [chosen, *beside], meshing, **options)
     options |= {"drape": many.drape(heights), "wireframe": many.wireframe}
-    mesh = terrain.make(heights, added).mesh(camera, lod=chosen, **vars(meshing))
+    mesh = terrain.make(heights, chosen, added).mesh(camera, lod=chosen, **vars(meshing))
     log("%r from %r", mesh, chosen)
     save_png(draw(mesh, camera, height_range=heights.height_range, **options), output)
     say(f"{output}: {_counts(mesh, heights)}")
@@ -186,7 +187,7 @@ def mesh(
     heights, added = reading.load(ground), overlay.load()
     camera = view.over(heights)
     log("%r", heights)
-    made = terrain.make(heights, added).mesh(camera, lod=chosen, cull=cull, **vars(meshing))
+    made = terrain.make(heights, chosen, added).mesh(camera, lod=chosen, cull=cull, **vars(meshing))
     log("%r from %r", made, chosen)
     made.save(output)
     say(f"{output}: {_counts(made, heights)}")

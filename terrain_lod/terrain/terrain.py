@@ -54,10 +54,10 @@ class Terrain:
         :meth:`Heightmap.with_detail`, which this is the same as, to the bit, in a fraction of the
         memory. Tiles are then cells of the detail, and errors promised are those of the sum.
     tile : int, optional
-        Cells along a tile, 1 to 63. At 15 the tessellator's factor 15 reproduces the raster.
+        Cells along a tile, 1 to 63. Default: 4, or 15 in a flat grid.
     levels : int, optional
-        Sizes of patches that promises in the partitioning ``"integer"`` are kept with: of 1, 2 x 2,
-        4 x 4, ... tiles. Up to the whole raster where not given; 1 is the flat grid of tiles.
+        Sizes of patches that promises are kept with: of 1, 2 x 2, 4 x 4, ... tiles. Default: up to
+        the whole raster. 1 is the flat grid of the book, which formulas are at their best on.
     plane : {"least_squares", "corners"}, optional
         Which plane deviations are measured from.
     device : Device, optional
@@ -72,7 +72,7 @@ class Terrain:
     Raises
     ------
     InputError
-        If `tile` or `plane` is not one of these, or the detail does not fit the ground.
+        If `tile`, `levels` or `plane` is not one of these, or the detail does not fit the ground.
     DeviceMemoryError
         If the device cannot hold the raster.
 
@@ -87,12 +87,14 @@ class Terrain:
         ground: Heightmap,
         *,
         detail: Heightmap | None = None,
-        tile: int = layout.DEFAULT_TILE,
+        tile: int | None = None,
         levels: int | None = None,
         plane: str = "least_squares",
         device: Device | None = None,
     ) -> None:
         self.levels = None if levels is None else whole("levels", levels, 1, layout.MAX_LEVELS)
+        if tile is None:
+            tile = layout.FLAT_TILE if self.levels == 1 else layout.DEFAULT_TILE
         relief, device = Relief(ground, detail), device or Device.open()
         self._tiles = DeviceTiles.of(DeviceGround.upload(relief, tile, device), plane=plane)
         self._turns, self._measuring = Turns(), threading.Lock()
@@ -215,7 +217,7 @@ class Terrain:
         *,
         lod: AnyLod | None = None,
         edge_rule: str | None = None,
-        partitioning: str = "fractional_odd",
+        partitioning: str | None = None,
         cull: bool = True,
     ) -> Mesh:
         """Tessellate the terrain as a camera deserves it.
@@ -227,15 +229,14 @@ class Terrain:
         lod : Lod, PromiseLod or Weighted, optional
             A formula for the segments that a patch deserves, or an error to keep, or either with
             weights on it. Defaults to ``ScreenErrorLod(1.0)`` for a camera; without one to the
-            raster in full, ``UniformLod`` of the tile's cells: at an odd `tile` every sample is a
-            vertex.
-        edge_rule : {"min", "max", "edge"}, optional
-            Factor of a shared edge: the lower of the two tiles' (the default with a formula, and
-            the book's), the higher, or by the edge's own error (the default with a promise, and
-            for promises alone).
-        partitioning : {"fractional_odd", "fractional_even", "integer", "pow2"}, optional
-            How factors divide a patch. With ``"integer"`` a promise is kept by patches of every
-            size, from a tile to the whole raster, at every whole factor: the fewest triangles.
+            raster in full, ``UniformLod`` of the tile's cells: every sample is a vertex.
+        edge_rule : {"min", "max"}, optional
+            With a formula, the factor of an edge that two tiles share: the lower of theirs (the
+            default, and the book's) or the higher. A promise goes by the edge's own error.
+        partitioning : {"integer", "fractional_odd", "fractional_even", "pow2"}, optional
+            How factors divide a patch. Default: ``"integer"`` with a promise, which is then kept by
+            patches of every size; with a formula ``"fractional_odd"``, which moves smoothly, and
+            ``"integer"`` in tiles of an even number of cells, where it would miss the samples.
         cull : bool, optional
             Leave out the patches whose bounds are out of view.
 
@@ -255,7 +256,17 @@ class Terrain:
         if lod is None:
             lod = UniformLod(self.grid.tile) if camera is None else ScreenErrorLod()
         lod = checked_lod(lod)
+        promises = isinstance(unweighted(lod), PromiseLod)
+        if partitioning is None:
+            even = self.grid.tile % 2 == 0
+            partitioning = "integer" if promises or even else "fractional_odd"
         one_of("partitioning", partitioning, layout.PARTITIONINGS)
+        if promises and edge_rule is not None:
+            kind = type(unweighted(lod)).__name__
+            raise InputError(
+                f"expected a formula with the edge rule {edge_rule!r}, got {kind}: promises go by "
+                "the edge's own error"
+            )
         if camera is None and lod.needs_camera:
             raise InputError(f"{type(lod).__name__} needs a camera, got none")
         cull = cull and camera is not None

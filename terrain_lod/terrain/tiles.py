@@ -155,4 +155,5 @@ class DeviceTiles:
         return Scene(
             diagonal=float(np.hypot(np.hypot(*self.grid.extent), high - low)),
             rough_deviation=float(np.percentile(known, 98)),
+            tile=self.grid.tile,
         )

@@ -11,7 +11,6 @@ import numpy.typing as npt
 from ..camera.camera import Camera, Point
 from ..camera.viewpoint import default_camera
 from ..device.device import Device
-from ..device.layout import DEFAULT_TILE
 from ..ground.heightmap import Heightmap
 from ..measure.error import vertical_error
 from ..measure.screen_error import screen_error
@@ -34,7 +33,9 @@ from .scene import (
 )
 from .terrain_settings import TerrainSettings
 
-_LARGE: Final = 2**22  # samples beyond which the number of small tiles costs more than they save
+# samples beyond which many small tiles cost more than they save, and the tiles of such ground
+_LARGE: Final = 2**22
+_LARGE_TILE: Final = 8
 
 
 @dataclass(frozen=True)
@@ -182,18 +183,22 @@ class TerrainScene(Scene):
     Parameters
     ----------
     ground : Heightmap
+    levels : int, optional
+        As for :class:`terrain_lod.Terrain`.
     device : Device, optional
     """
 
     settings: TerrainSettings
 
-    def __init__(self, ground: Heightmap, *, device: Device | None = None) -> None:
-        self.ground, self.device = ground, device or Device.open()
+    def __init__(
+        self, ground: Heightmap, *, levels: int | None = None, device: Device | None = None
+    ) -> None:
+        self.ground, self.levels, self.device = ground, levels, device or Device.open()
         self.centre = ground.centre
         self.diagonal = float(np.hypot(*ground.extent))
         self.settings = TerrainSettings(diagonal=self.diagonal)
         if ground.heights.size > _LARGE:
-            self.settings = self.settings.with_tile(DEFAULT_TILE)
+            self.settings = self.settings.with_tile(_LARGE_TILE)
         self._terrain: Terrain | None = None
 
     def camera(self) -> Camera:
@@ -211,7 +216,7 @@ class TerrainScene(Scene):
     def terrain(self, tile: int) -> Terrain:
         """Return the ground's terrain with tiles of `tile` cells, made when that changes."""
         if self._terrain is None or self._terrain.grid.tile != tile:
-            self._terrain = Terrain(self.ground, tile=tile, device=self.device)
+            self._terrain = Terrain(self.ground, tile=tile, levels=self.levels, device=self.device)
         return self._terrain
 
     def tessellated(self, request: Request) -> TerrainFrame:
