@@ -125,6 +125,15 @@ inline float allowed_of(const Grid grid, const View view, int cull, float metres
     return fmax(error - 1e-6f * (maximum - minimum), 0.0f);
 }
 
+// The error that a node is allowed, which stays what it was in the last mesh until that is too much, or
+// too little by a share of `hysteresis`.
+inline float steadied(float error, float before, float hysteresis)
+{
+    if (before <= error && error <= before * (1.0f + hysteresis))
+        return before;
+    return error < before ? error / (1.0f + hysteresis) : error;
+}
+
 __kernel void visit(const Grid grid,
                     __global const float *heights,              // (R, C)
                     __global const uchar *holes,                // (R, C) where MASKED
@@ -133,6 +142,7 @@ __kernel void visit(const Grid grid,
                     const View view, const int cull,
                     const float metres, const float pixels,     // INFINITY where not asked for
                     __global const float *weights,              // (N,) that errors count
+                    const float hysteresis,
                     const float share,                          // of what is allowed
                     __global const int *order,                  // (TILE * TILE,)
                     __global float *errors,                     // (N, TILE, TILE) remembered
@@ -140,7 +150,7 @@ __kernel void visit(const Grid grid,
                     __global const int *visited,                // nodes; first .. first + count - 1
                     const uint stamp,
                     __global uint *marks,                       // (N,)
-                    __global float *allowed,                    // (N,)
+                    __global float *allowed,                    // (N,) in the last mesh, then in this
                     __global float *costs,                      // (N,)
                     __global uint *child_counts)                // (count,)
 {
@@ -151,7 +161,8 @@ __kernel void visit(const Grid grid,
     const Node node = node_at(tree, index);
     const Tile tile = node_tile(grid, node);
     const float4 known = details[index];
-    const float error = allowed_of(grid, view, cull, metres, pixels, tile, known, weights[index]);
+    const float error = steadied(
+        allowed_of(grid, view, cull, metres, pixels, tile, known, weights[index]), allowed[index], hysteresis);
     child_counts[i] = 0;
     allowed[index] = error;
     costs[index] = 0.0f;
@@ -242,7 +253,7 @@ __kernel void collect(const int count, __global const int *visited, __global con
 __kernel void split(const Grid grid, const Tree tree, __global const float4 *details,   // (N,)
                     const View view, const int cull, const float metres, const float pixels,
                     __global const float *weights,              // (N,)
-                    const float share, const int count,
+                    const float hysteresis, const float share, const int count,
                     __global const uint *child_counts,          // (count,) 0 where a leaf stays
                     __global const uint *child_offsets,         // (count + 1,)
                     const uint stamp,
@@ -265,8 +276,9 @@ __kernel void split(const Grid grid, const Tree tree, __global const float4 *det
         if (!is_in_tree(tree, below))
             continue;
         const int index = node_index(tree, below);
-        allowed[index] = allowed_of(grid, view, cull, metres, pixels, node_tile(grid, below),
-                                    details[index], weights[index]);
+        allowed[index] = steadied(allowed_of(grid, view, cull, metres, pixels, node_tile(grid, below),
+                                             details[index], weights[index]),
+                                  allowed[index], hysteresis);
         marks[index] = stamp * 4 + (isnan(allowed[index]) ? ABSENT : LEAF);
         leaf_of[index] = target;
         leaves[target] = index;

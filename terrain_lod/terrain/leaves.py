@@ -74,6 +74,8 @@ class Leaves:
         Errors allowed; infinite where not asked for.
     weights : DeviceArray, (N,) float32
         How many times a node's error counts.
+    hysteresis : float
+        Share by which nodes may be held to less than they are allowed: what they were last.
 
     Attributes
     ----------
@@ -97,6 +99,7 @@ class Leaves:
         metres: float,
         pixels: float,
         weights: DeviceArray,
+        hysteresis: float = 0.0,
     ) -> None:
         self.tree, self.device = tree, tree.device
         self._stamp, self._marks = stamp, marks
@@ -106,6 +109,7 @@ class Leaves:
             "metres": metres,
             "pixels": pixels,
             "weights": weights,
+            "hysteresis": hysteresis,
         }
         self.count = 0
         self._take(self._select())

@@ -22,6 +22,7 @@ from .leaves import Leaves
 from .lod import PromiseLod
 from .meshing import Tessellated
 from .selection import Selection
+from .steady import Steady
 from .tiles import DeviceTiles
 
 # shares of what is allowed shrink so fast that full resolution comes well before this
@@ -73,6 +74,8 @@ class Promise:
     cull : bool
     weights : DeviceArray, (P,) float32, or None
         How many times a tile's error counts.
+    steady : Steady or None
+        What patches were allowed in the last mesh.
     """
 
     tiles: DeviceTiles
@@ -81,6 +84,7 @@ class Promise:
     edge_rule: str
     cull: bool
     weights: DeviceArray | None = None
+    steady: Steady | None = None
 
     def keep(self, lod: PromiseLod) -> Kept:
         """Return the cheapest mesh found that keeps what `lod` promises."""
@@ -125,7 +129,7 @@ class Promise:
         tree = self.tiles.tree
         assert tree is not None  # who promises has it made
         weights = tree.weights(self.weights)
-        with tree.marked() as (stamp, marks):
+        with tree.marked(self.steady) as (stamp, marks):
             leaves = Leaves(
                 tree,
                 stamp,
@@ -135,6 +139,7 @@ class Promise:
                 metres=metres,
                 pixels=pixels,
                 weights=weights,
+                hysteresis=0.0 if self.steady is None else self.steady.hysteresis,
             )
             for rounds in range(1, _MOST_ROUNDS + 1):
                 if rounds > 1:

@@ -19,6 +19,7 @@ import numpy.typing as npt
 from ..device import layout
 from ..device.device import Device, DeviceArray, Kernel
 from .buffers import DeviceAnalysis, DeviceGround, lattice_levels
+from .steady import Steady
 
 _GROUP: Final = 64
 _UNMEASURED: Final = -1e-30  # ``kernels/terrain/lattice.h``
@@ -48,7 +49,7 @@ def cheapest_first(tile: int) -> npt.NDArray[np.int32]:
 
 @dataclass(frozen=True, eq=False)
 class Marks:
-    """What became of each of N nodes in the mesh that is being made.
+    """What becomes of each of N nodes in the mesh that is being made, and became of it in the last.
 
     Attributes
     ----------
@@ -226,8 +227,14 @@ class DeviceQuadtree:
         return self.device.kernel(f"terrain/{file}", name, **own, **defines)
 
     @contextmanager
-    def marked(self) -> Iterator[tuple[int, Marks]]:
+    def marked(self, steady: Steady | None = None) -> Iterator[tuple[int, Marks]]:
         """Yield the number of a new mesh, and marks of nodes that nobody else writes meanwhile."""
+        if steady is not None:
+            with steady.lock:
+                stamp, marks = steady.marks if steady.of is self else (0, self._blank())
+                steady.of, steady.marks = self, (stamp + 1, marks)
+                yield stamp + 1, marks
+            return
         with self._lock:
             stamp, marks = self._spare.pop() if self._spare else (0, self._blank())
         try:
@@ -252,7 +259,7 @@ class DeviceQuadtree:
         device, count = self.device, self.count
         return Marks(
             marks=device.zeros(count, np.uint32),
-            allowed=device.empty(count, np.float32),
+            allowed=device.empty(count, np.float32).fill(np.nan),
             costs=device.empty(count, np.float32),
             leaf_of=device.empty(count, np.int32),
         )

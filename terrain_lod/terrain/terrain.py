@@ -38,6 +38,7 @@ from .lod_promises import ScreenErrorLod
 from .meshing import Tessellated, mesh_of
 from .promise import Promise
 from .queries import heights_on_device, rays_on_device
+from .steady import Steady
 from .tiles import DeviceTiles
 from .turns import Turns
 from .weights import weights_on_device
@@ -219,6 +220,7 @@ class Terrain:
         edge_rule: str | None = None,
         partitioning: str | None = None,
         cull: bool = True,
+        steady: Steady | None = None,
     ) -> Mesh:
         """Tessellate the terrain as a camera deserves it.
 
@@ -239,6 +241,8 @@ class Terrain:
             ``"integer"`` in tiles of an even number of cells, where it would miss the samples.
         cull : bool, optional
             Leave out the patches whose bounds are out of view.
+        steady : Steady, optional
+            What lets the patches of a promise stay as they were in its last mesh.
 
         Returns
         -------
@@ -256,16 +260,20 @@ class Terrain:
         if lod is None:
             lod = UniformLod(self.grid.tile) if camera is None else ScreenErrorLod()
         lod = checked_lod(lod)
-        promises = isinstance(unweighted(lod), PromiseLod)
+        promised = unweighted(lod) if isinstance(unweighted(lod), PromiseLod) else None
         if partitioning is None:
             even = self.grid.tile % 2 == 0
-            partitioning = "integer" if promises or even else "fractional_odd"
+            partitioning = "integer" if promised or even else "fractional_odd"
         one_of("partitioning", partitioning, layout.PARTITIONINGS)
-        if promises and edge_rule is not None:
-            kind = type(unweighted(lod)).__name__
+        if promised and edge_rule is not None:
             raise InputError(
-                f"expected a formula with the edge rule {edge_rule!r}, got {kind}: promises go by "
-                "the edge's own error"
+                f"expected a formula with the edge rule {edge_rule!r}, got {promised}: promises go "
+                "by the edge's own error"
+            )
+        if steady and not (promised and promised.triangles is None and partitioning == "integer"):
+            raise InputError(
+                f"expected an error to keep by patches of every size with {steady}, got "
+                f"{unweighted(lod)} in {partitioning}"
             )
         if camera is None and lod.needs_camera:
             raise InputError(f"{type(lod).__name__} needs a camera, got none")
@@ -281,7 +289,7 @@ class Terrain:
                     tiles, camera, horizon=weighted.horizon, silhouette=weighted.silhouette
                 )
             if isinstance(lod, PromiseLod):
-                promise = Promise(tiles, camera, partitioning, edge_rule or "edge", cull, weights)
+                promise = Promise(tiles, camera, partitioning, "edge", cull, weights, steady)
                 kept = promise.keep(lod)
                 made, nodes = kept.made, kept.nodes
             else:
