@@ -272,13 +272,13 @@ class Terrain:
             if isinstance(lod, PromiseLod):
                 promise = Promise(tiles, camera, partitioning, edge_rule or "edge", cull, weights)
                 kept = promise.keep(lod)
-                made, nodes = kept.made, kept.nodes
+                made, drawn = kept.made, kept.drawn
             else:
                 factors = hull_on_device(
                     tiles, lod, camera, edge_rule=edge_rule or "min", cull=cull, weights=weights
                 )
-                made, nodes = Tessellated.of(tiles.patch_set, factors, partitioning), None
-            return mesh_of(made, *tiles.described(nodes), timeline)
+                made, drawn = Tessellated.of(tiles.patch_set, factors, partitioning), None
+            return mesh_of(made, *tiles.described(drawn), timeline)
 
     def height_at(self, points: npt.ArrayLike) -> npt.NDArray[np.float64]:
         """Return the ground's elevations at points of the world.
