@@ -11,6 +11,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import prod
 from typing import Any, Final
 
 import numpy as np
@@ -45,6 +46,24 @@ _OF_LEAVES: Final = (
 
 
 @dataclass(frozen=True, eq=False)
+class Drawn:
+    """What is known of P leaves; all 0 of those that were split.
+
+    Attributes
+    ----------
+    areas : (P, 4) int32
+        First row, first column, rows and columns of their cells.
+    measured, allowed, deviation : (P,) float32
+        Errors, and how far their tiles' samples deviate from planes.
+    """
+
+    areas: npt.NDArray[np.int32]
+    measured: npt.NDArray[np.float32]
+    allowed: npt.NDArray[np.float32]
+    deviation: npt.NDArray[np.float32]
+
+
+@dataclass(frozen=True, eq=False)
 class Sides:
     """Where the points of the sides of P leaves lie.
 
@@ -72,7 +91,7 @@ class Leaves:
     cull : bool
     metres, pixels : float
         Errors allowed; infinite where not asked for.
-    weights : DeviceArray, (N,) float32
+    weights : DeviceArray, (N,) float32, or None
         How many times a node's error counts.
     hysteresis : float
         Share by which nodes may be held to less than they are allowed: what they were last.
@@ -98,7 +117,7 @@ class Leaves:
         cull: bool,
         metres: float,
         pixels: float,
-        weights: DeviceArray,
+        weights: DeviceArray | None,
         hysteresis: float = 0.0,
     ) -> None:
         self.tree, self.device = tree, tree.device
@@ -108,15 +127,13 @@ class Leaves:
             "cull": int(cull),
             "metres": metres,
             "pixels": pixels,
-            "weights": weights,
+            "is_weighted": int(weights is not None),
+            "weights": tree.deviations if weights is None else weights,
             "hysteresis": hysteresis,
         }
         self.count = 0
         self._take(self._select())
         self._lay_sides()
-
-    def _run(self, file: str, name: str, items: int, /, **arguments: Any) -> None:
-        self.tree.kernel(file, name)((items,), (self.tree.group,), **arguments)
 
     @property
     def _states(self) -> dict[str, Any]:
@@ -124,58 +141,39 @@ class Leaves:
 
     def _select(self) -> DeviceArray:
         """Return the nodes of the cheapest mesh found, by what each costs by itself."""
-        tree, device = self.tree, self.device
-        first, roots = int(tree.first[-2]), int(tree.first[-1] - tree.first[-2])
-        visited = device.empty(tree.count, np.int32)
-        visited.write(np.arange(first, first + roots, dtype=np.int32))
-        frontiers, begin, count = [], 0, roots
-        while count:
-            children = device.empty(count, np.uint32)
-            self._run(
-                "tree.cl",
-                "visit",
-                count,
-                **tree.arguments,
-                **self._asked,
-                **self._states,
-                share=FIRST_SHARE,
-                order=tree.order,
-                errors=tree.errors,
-                first=begin,
-                count=count,
-                visited=visited,
-                allowed=self._marks.allowed,
-                costs=self._marks.costs,
-                child_counts=children,
-            )
-            frontier = {"tree": tree.record(), "first": begin, "count": count, "visited": visited}
-            frontiers.append((count, frontier))
-            offsets, total = exclusive_scan(children)
-            self._run(
-                "tree.cl",
-                "expand",
-                count,
-                **frontier,
-                child_counts=children,
-                child_offsets=offsets,
-            )
-            begin, count = begin + count, total
-        for items, frontier in reversed(frontiers):
-            costs = self._marks.costs
-            self._run("tree.cl", "choose", items, **frontier, **self._states, costs=costs)
-        is_leaf = device.empty(begin, np.uint32)
-        seen = {"count": begin, "visited": visited}
-        self._run(
-            "tree.cl", "settle", begin, tree=tree.record(), **seen, **self._states, is_leaf=is_leaf
+        tree, device, depth = self.tree, self.device, self.tree.depth
+        above = range(depth + 1, len(tree.shapes))
+        # those from the depth up stand at the end
+        count = tree.count - int(tree.first[depth])
+        costs, counts = device.empty(count, np.float32), device.empty(count, np.uint32)
+        asked = {
+            **tree.arguments,
+            **self._asked,
+            **self._states,
+            "share": FIRST_SHARE,
+            "order": tree.order,
+            "errors": tree.errors,
+            "allowed": self._marks.allowed,
+            "costs": costs,
+        }
+        for level in reversed(above):
+            tree.run_groups("choice.cl", "visit", prod(tree.shapes[level]), **asked, level=level)
+        tree.run_groups(
+            "choice.cl", "descend", prod(tree.shapes[depth]), **asked, leaf_counts=counts
         )
-        offsets, total = exclusive_scan(is_leaf)
+        chosen = {"tree": tree.record, **self._states}
+        for level in above:
+            items = prod(tree.shapes[level])
+            tree.run("choice.cl", "choose", items, **chosen, level=level, costs=costs)
+        tree.run("choice.cl", "count", count, **chosen, nodes=count, leaf_counts=counts)
+        offsets, total = exclusive_scan(counts)
         leaves = device.empty(total, np.int32)
-        self._run(
-            "tree.cl",
+        tree.run(
+            "choice.cl",
             "collect",
-            begin,
-            **seen,
-            is_leaf=is_leaf,
+            count,
+            **chosen,
+            nodes=count,
             offsets=offsets,
             leaves=leaves,
             leaf_of=self._marks.leaf_of,
@@ -197,10 +195,29 @@ class Leaves:
             device.zeros((count, layout.INSIDES), np.float32),
         )
 
-    def drawn(self) -> npt.NDArray[np.int32]:
-        """Return the node of each leaf, -1 where it was split; (P,)."""
-        there = self.factors.edge.host()[:, 0] > 0
-        return np.where(there, self.nodes, np.int32(-1))
+    def drawn(self) -> Drawn:
+        """Bring down what is known of the leaves."""
+        device, count = self.device, self.count
+        areas, known = device.empty((count, 4), np.int32), device.empty((count, 4), np.float32)
+        self.tree.run(
+            "leaves.cl",
+            "describe",
+            count,
+            grid=self.tree.ground.grid.record(),
+            tree=self.tree.record,
+            is_weighted=self._asked["is_weighted"],
+            weights=self._asked["weights"],
+            count=count,
+            leaves=self._leaves,
+            **self._states,
+            allowed=self._marks.allowed,
+            measured=self.measured,
+            deviations=self.tree.deviations,
+            areas=areas,
+            known=known,
+        )
+        measured, allowed, deviation, _ = known.host().T
+        return Drawn(areas.host(), measured, allowed, deviation)
 
     @property
     def nodes(self) -> npt.NDArray[np.int32]:
@@ -209,16 +226,10 @@ class Leaves:
         return nodes
 
     @property
-    def allowed(self) -> npt.NDArray[np.float32]:
-        """The error that each leaf is allowed; (P,)."""
-        allowed: npt.NDArray[np.float32] = self._marks.allowed.host()[self.nodes]
-        return allowed
-
-    @property
     def patches(self) -> PatchSet:
         """The leaves as the stages after this one see them."""
         arguments = {
-            "tree": self.tree.record(),
+            "tree": self.tree.record,
             "leaves": self._leaves,
             "side_offsets": self.sides.offsets,
             "side_places": self.sides.places,
@@ -242,8 +253,8 @@ class Leaves:
             "leaf_of": self._marks.leaf_of,
             "factors": own,
         }
-        self._run("joints.cl", "side_factors", count, **shared)
-        self._run(
+        self.tree.run("joints.cl", "side_factors", count, **shared)
+        self.tree.run(
             "joints.cl",
             "side_counts",
             count * layout.EDGES,
@@ -256,7 +267,7 @@ class Leaves:
         )
         offsets, total = exclusive_scan(counts)
         places = device.empty(total, np.int32)
-        self._run(
+        self.tree.run(
             "joints.cl",
             "side_places",
             count * layout.EDGES,
@@ -268,7 +279,7 @@ class Leaves:
 
     def choose(self) -> None:
         """Find the cheapest inside of each leaf that changed, beside its sides."""
-        self._run(
+        self.tree.run_groups(
             "leaf_fit.cl",
             "fit_leaves",
             self.count,
@@ -301,11 +312,11 @@ class Leaves:
         """Put the children of failed leaves behind the others; say whether there were any."""
         tree, device, count = self.tree, self.device, self.count
         children = device.empty(count, np.uint32)
-        self._run(
-            "tree.cl",
+        self.tree.run(
+            "leaves.cl",
             "count_children",
             count,
-            tree=tree.record(),
+            tree=tree.record,
             count=count,
             leaves=self._leaves,
             failed=self._failed,
@@ -321,12 +332,12 @@ class Leaves:
         self.factors = DeviceFactors(
             _extended(self.factors.edge, total), _extended(self.factors.inside, total)
         )
-        self._run(
-            "tree.cl",
+        self.tree.run(
+            "leaves.cl",
             "split",
             count,
             grid=tree.ground.grid.record(),
-            tree=tree.record(),
+            tree=tree.record,
             details=tree.details,
             **self._asked,
             **self._states,
@@ -356,11 +367,11 @@ class Leaves:
             Leaves that exceed, and those of them that can do better.
         """
         counts = self.device.zeros(2, np.uint32)
-        self._run(
-            "tree.cl",
+        self.tree.run(
+            "leaves.cl",
             "tighten",
             self.count,
-            tree=self.tree.record(),
+            tree=self.tree.record,
             **self._states,
             count=self.count,
             least_share=_LEAST_SHARE,

@@ -18,7 +18,7 @@ from ..camera.camera import Camera
 from ..device.device import DeviceArray
 from ..errors import InputError
 from ..mesh.mesh import Achieved
-from .leaves import Leaves
+from .leaves import Drawn, Leaves
 from .lod import PromiseLod
 from .meshing import Tessellated
 from .selection import Selection
@@ -41,12 +41,12 @@ class Kept:
     Attributes
     ----------
     made : Tessellated
-    nodes : (P,) int32, or None
-        The quadtree's node of each patch; -1 of one that was split. None where patches are tiles.
+    drawn : Drawn or None
+        What is known of the patches; None where they are the tiles.
     """
 
     made: Tessellated
-    nodes: npt.NDArray[np.int32] | None = None
+    drawn: Drawn | None = None
 
     @property
     def triangle_count(self) -> int:
@@ -128,7 +128,6 @@ class Promise:
     def _within_tree(self, metres: float, pixels: float) -> Kept:
         tree = self.tiles.tree
         assert tree is not None  # who promises has it made
-        weights = tree.weights(self.weights)
         with tree.marked(self.steady) as (stamp, marks):
             leaves = Leaves(
                 tree,
@@ -138,7 +137,7 @@ class Promise:
                 cull=self.cull,
                 metres=metres,
                 pixels=pixels,
-                weights=weights,
+                weights=tree.weights(self.weights),
                 hysteresis=0.0 if self.steady is None else self.steady.hysteresis,
             )
             for rounds in range(1, _MOST_ROUNDS + 1):
@@ -150,12 +149,9 @@ class Promise:
                 exceeding, refinable = leaves.tighten()
                 if refinable == 0:
                     break
-            nodes = leaves.drawn()
-            there = nodes >= 0
-            worst, allowed = leaves.measured.host()[there], leaves.allowed[there]
-            allowed *= weights.host()[nodes[there]]
-        achieved = _achieved(worst, allowed, pixels, exceeding, rounds)
-        return Kept(replace(made, achieved=achieved), nodes)
+            drawn = leaves.drawn()
+        achieved = _achieved(drawn.measured, drawn.allowed, pixels, exceeding, rounds)
+        return Kept(replace(made, achieved=achieved), drawn)
 
     def _least_error(self, triangles: int, enough: float, *, in_pixels: bool) -> Kept:
         """Return the mesh of at most so many `triangles` with the least error above `enough`."""

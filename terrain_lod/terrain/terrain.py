@@ -260,7 +260,8 @@ class Terrain:
         if lod is None:
             lod = UniformLod(self.grid.tile) if camera is None else ScreenErrorLod()
         lod = checked_lod(lod)
-        promised = unweighted(lod) if isinstance(unweighted(lod), PromiseLod) else None
+        bare = unweighted(lod)
+        promised = bare if isinstance(bare, PromiseLod) else None
         if partitioning is None:
             even = self.grid.tile % 2 == 0
             partitioning = "integer" if promised or even else "fractional_odd"
@@ -273,7 +274,7 @@ class Terrain:
         if steady and not (promised and promised.triangles is None and partitioning == "integer"):
             raise InputError(
                 f"expected an error to keep by patches of every size with {steady}, got "
-                f"{unweighted(lod)} in {partitioning}"
+                f"{bare} in {partitioning}"
             )
         if camera is None and lod.needs_camera:
             raise InputError(f"{type(lod).__name__} needs a camera, got none")
@@ -291,13 +292,13 @@ class Terrain:
             if isinstance(lod, PromiseLod):
                 promise = Promise(tiles, camera, partitioning, "edge", cull, weights, steady)
                 kept = promise.keep(lod)
-                made, nodes = kept.made, kept.nodes
+                made, drawn = kept.made, kept.drawn
             else:
                 factors = hull_on_device(
                     tiles, lod, camera, edge_rule=edge_rule or "min", cull=cull, weights=weights
                 )
-                made, nodes = Tessellated.of(tiles.patch_set, factors, partitioning), None
-            return mesh_of(made, *tiles.described(nodes), timeline)
+                made, drawn = Tessellated.of(tiles.patch_set, factors, partitioning), None
+            return mesh_of(made, *tiles.described(drawn), timeline)
 
     def height_at(self, points: npt.ArrayLike) -> npt.NDArray[np.float64]:
         """Return the ground's elevations at points of the world.

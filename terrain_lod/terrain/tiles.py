@@ -19,6 +19,7 @@ from .analysis import TileAnalysis, analyse_on_device, analyse_tiles
 from .buffers import DeviceAnalysis, DeviceGround, DeviceLadder, DevicePatches, PatchSet
 from .control_points import control_points_on_device, patches_on_device
 from .ladder import ladder_on_device, measure_tiles
+from .leaves import Drawn
 from .lod import Scene
 from .quadtree import DeviceQuadtree
 
@@ -137,14 +138,12 @@ class DeviceTiles:
         return TileAnalysis.of(self.grid, self.analysis)
 
     def described(
-        self, nodes: npt.NDArray[np.int32] | None
+        self, drawn: Drawn | None
     ) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.float32]]:
-        """Return areas and deviations of patches: nodes of the tree, or all tiles."""
-        deviation = self.found.deviation.ravel()
-        if nodes is None:
-            return self.grid.areas, deviation
-        assert self.tree is not None  # whose nodes they are
-        return self.tree.areas(nodes), self.tree.spread(deviation)[nodes]
+        """Return areas and deviations of patches: leaves of the tree, or all tiles."""
+        if drawn is None:
+            return self.grid.areas, self.found.deviation.ravel()
+        return drawn.areas, drawn.deviation
 
     @cached_property
     def scene(self) -> Scene:
