@@ -11,8 +11,6 @@ Data stays on the device between the stages and comes down once, as a Mesh.
 from __future__ import annotations
 
 import threading
-from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
@@ -30,8 +28,6 @@ from ..mesh.mesh import Mesh
 from .analysis import TileAnalysis
 from .buffers import DeviceGround
 from .hull import hull_on_device
-from .ladder import empty_ladder
-from .ladder_file import fingerprint, read_ladder, write_ladder
 from .lod import AnyLod, PromiseLod, Scene, Weighted, checked_lod, unweighted
 from .lod_formulas import UniformLod
 from .lod_promises import ScreenErrorLod
@@ -132,50 +128,6 @@ class Terrain:
             ground, rows, columns = self.ground.with_elevations(rows, columns, heights)
             self._tiles, count = self._tiles.updated(ground, rows, columns)
         return count
-
-    def save_ladder(self, path: str | Path) -> Path:
-        """Write the error ladder, which promises are kept with, to a file beside the raster.
-
-        Parameters
-        ----------
-        path : str or pathlib.Path
-            By custom ends in .npz; an existing file is replaced.
-
-        Returns
-        -------
-        pathlib.Path
-            The file.
-
-        Raises
-        ------
-        FileError
-            If the file cannot be written.
-        """
-        path = Path(path)
-        with self._turns.reading():
-            tiles = self._with_ladder()
-            assert tiles.ladder is not None
-            arrays = {name: array.host() for name, array in tiles.ladder.measured().items()}
-        write_ladder(path, fingerprint(tiles.ground.relief, tiles.grid.tile), arrays)
-        return path
-
-    def load_ladder(self, path: str | Path) -> None:
-        """Take the error ladder from a file of :meth:`save_ladder`, instead of measuring it.
-
-        Raises
-        ------
-        FileError
-            If the file cannot be read, or is the ladder of other ground or of other tiles.
-        """
-        with self._turns.changing():
-            tiles = self._tiles
-            ladder = empty_ladder(self.device, tiles.grid)
-            shapes = {name: array.shape for name, array in ladder.measured().items()}
-            key = fingerprint(tiles.ground.relief, tiles.grid.tile)
-            arrays = read_ladder(Path(path), key, shapes)
-            for name, array in ladder.measured().items():
-                array.write(arrays[name])
-            self._tiles = replace(tiles, ladder=ladder)
 
     @property
     def device(self) -> Device:

@@ -70,7 +70,7 @@ def test_many_small_updates_one_after_the_other(plane: str) -> None:
 
 
 def test_inside_a_tile_one_is_touched_and_on_a_corner_four() -> None:
-    terrain = tl.Terrain(rough(61, 61))
+    terrain = tl.Terrain(rough(61, 61), tile=15)
     one = np.ones((1, 1))
     assert terrain.update(slice(7, 8), slice(20, 21), one) == 1
     assert terrain.update(slice(15, 16), slice(20, 21), one) == 2
