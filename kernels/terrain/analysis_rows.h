@@ -6,7 +6,7 @@
 //   sums    s s s s s s s s | s s s s s s s s
 //
 // A row that eight does not divide has its last block moved back over lanes that are counted
-// already, where it weighs nothing. Calls of library functions stop PoCL's compiler from keeping
+// already, where it weighs nothing; one of less than eight repeats its first sample, weightless too. Calls of library functions stop PoCL's compiler from keeping
 // lanes in registers: there are none inside the loops.
 #ifndef ANALYSIS_ROWS_H
 #define ANALYSIS_ROWS_H
@@ -36,19 +36,28 @@ DEFINE_FOLD(largest_lane, LARGER)
 // first column of a block
 inline int block_column(int block)
 {
-    return SMALLER(8 * block, WIDTH - 8);
+    return WIDTH < 8 ? 0 : SMALLER(8 * block, WIDTH - 8);
 }
 
 inline Lanes block_of_row(const Samples tile, int row, int block)
 {
-    return *(TILE_MEMORY const Lanes *)(tile.heights + (size_t)row * tile.stride
-                                        + block_column(block));
+    TILE_MEMORY const float *heights = tile.heights + (size_t)row * tile.stride + block_column(block);
+#if WIDTH < 8
+    Lanes lanes = heights[0];
+    for (int lane = 1; lane < WIDTH; ++lane)
+        ((float *)&lanes)[lane] = heights[lane];
+    return lanes;
+#else
+    return *(TILE_MEMORY const Lanes *)heights;
+#endif
 }
 
 // 1 in lanes that no earlier block holds
 inline Lanes block_weight(int block)
 {
-#if WIDTH % 8 == 0
+#if WIDTH < 8
+    return LANE_NUMBERS < (float)WIDTH ? (Lanes)1.0f : (Lanes)0.0f;
+#elif WIDTH % 8 == 0
     return (Lanes)1.0f;
 #else
     return LANE_NUMBERS + block_column(block) < (float)(8 * block) ? (Lanes)0.0f : (Lanes)1.0f;
@@ -113,7 +122,7 @@ inline bool is_whole(const Samples tile)
 // Find the moments of a full tile whose squares float can hold; false sends others round.
 inline bool is_ordinary_tile(Samples *tile, Moments *moments, __local float *scratch)
 {
-    if (WIDTH < 8 || tile->rows != WIDTH || tile->columns != WIDTH || !is_whole(*tile))
+    if (tile->rows != WIDTH || tile->columns != WIDTH || !is_whole(*tile))
         return false;
     tile->reference = corner_mean(*tile);
     *moments = moments_of_rows(*tile);

@@ -5,16 +5,17 @@
 //   lift      weights
 //   forget    errors that are remembered of samples that have changed
 //
-// Built with: TILE, FINER, GROUP, what ground.h is built with.
+// Built with: TILE, FINER, GROUP, LANES (1 or 8), what ground.h is built with.
+#include "common/lanes.h"
 #include "common/reduce.h"
 #include "terrain/ground.h"
 #include "terrain/node.h"
 
 // Drifts of a level are found by blocks, nodes of another level: 32 x 32 of them a node, but none smaller
-// than 4 x 4 tiles.
+// than 8 x 8 tiles.
 inline int block_level(int level)
 {
-    return min(level, max(2, level - 5));
+    return min(level, max(3, level - 5));
 }
 
 // the first block of a level; the highest level's are first
@@ -26,31 +27,40 @@ inline int first_block(const Tree tree, int level)
     return first;
 }
 
-// samples, all that are on a border included
-typedef struct {
-    int top, left, bottom, right;
-} Window;
-
-// How far the samples of one row within a cell of a lattice are from a straight line there.
-inline float row_drift(const Ground ground, int row, int left, int first, int last, float west, float slope)
+// Columns side by side: LANES of an item on a CPU, one of each of GROUP items on a GPU. Those behind the last
+// are the last.
+inline Real row_heights(const Ground ground, int row, int column, int last)
 {
-    float worst = 0.0f;
-    int column = first + get_local_id(0);
-#if GROUP == 1 && !DETAIL
-    __global const float *heights = ground.heights + sample_index(ground.grid, row, 0);
-    const float8 lanes = (float8)(0.0f, 1.0f, 2.0f, 3.0f, 4.0f, 5.0f, 6.0f, 7.0f);
-    float8 found = 0.0f;
-    for (; column + 7 <= last; column += 8) {
-        const float8 off = west + slope * ((float)(column - left) + lanes) - vload8(0, heights + column);
-        const float8 distance = select(off, -off, off < 0.0f);
-        found = select(found, distance, distance > found);
-    }
-    for (int lane = 0; lane < 8; ++lane)
-        worst = larger(((const float *)&found)[lane], worst);
+#if LANES == 8 && !DETAIL
+    if (column + LANES - 1 <= last)
+        return vload8(0, ground.heights + sample_index(ground.grid, row, column));
 #endif
-    for (; column <= last; column += GROUP)
-        worst = larger(absolute(west + slope * (column - left) - sample_height(ground, row, column)), worst);
-    return worst;
+    Real heights;
+    for (int lane = 0; lane < LANES; ++lane)
+        SET_LANE(heights, lane, sample_height(ground, row, min(column + lane, last)));
+    return heights;
+}
+
+// the same on a line of the lattice, linear between its points
+inline Real line_heights(const Ground ground, int row, int column, int last, int stride)
+{
+    const float step = 1.0f / stride;
+    const bool inside = row < ground.grid.rows && last + stride < ground.grid.columns;
+    Real here, next, on;
+    for (int lane = 0; lane < LANES; ++lane) {
+        const int own = min(column + lane, last), west = own & -stride;
+        SET_LANE(on, lane, (own - west) * step);
+        // most often all lanes lie between the same two points
+        if (lane == 0 || (own & (stride - 1)) == 0) {
+            SET_LANE(here, lane, inside ? sample_height(ground, row, west) : height_beyond(ground, row, west));
+            SET_LANE(next, lane, inside ? sample_height(ground, row, west + stride)
+                                        : height_beyond(ground, row, west + stride));
+        } else {
+            SET_LANE(here, lane, LANE(here, lane - 1));
+            SET_LANE(next, lane, LANE(next, lane - 1));
+        }
+    }
+    return here + (next - here) * on;
 }
 
 __kernel void drift(const Grid grid,
@@ -76,28 +86,32 @@ __kernel void drift(const Grid grid,
         || east + stride < left)
         return;
     const float step = 1.0f / stride;
-    float worst = 0.0f, highest = 0.0f;
-    for (int above = block.row / stride * stride; above <= south; above += stride)
-        for (int west = block.column / stride * stride; west <= east; west += stride) {
-            // what the block has of one cell of the lattice
-            const float nw = sample_height(ground, above, west);
-            const float ne = height_beyond(ground, above, west + stride);
-            const float sw = height_beyond(ground, above + stride, west);
-            const float se = height_beyond(ground, above + stride, west + stride);
-            highest = larger(larger(larger(absolute(nw), absolute(ne)), larger(absolute(sw), absolute(se))),
-                             highest);
-            const int first = max(west, block.column), last = min(west + stride - 1, east);
-            for (int row = max(above, block.row); row <= min(above + stride - 1, south); ++row) {
-                const float down = (row - above) * step;
-                const float start = nw + (sw - nw) * down;
-                const float slope = (ne + (se - ne) * down - start) * step;
-                worst = larger(row_drift(ground, row, west, first, last, start, slope), worst);
+    Real worst = 0.0f, highest = 0.0f;
+    for (int next = block.column + get_local_id(0) * LANES; next <= east; next += GROUP * LANES) {
+        // the last ones are moved back over others
+        const int column = max(min(next, east - LANES + 1), block.column);
+        Real below = line_heights(ground, block.row & -stride, column, east, stride);
+        for (int line = block.row & -stride; line <= south; line += stride) {
+            const Real above = below;
+            below = line_heights(ground, line + stride, column, east, stride);
+            highest = LARGER(highest, LARGER(ABSOLUTE(above), ABSOLUTE(below)));
+            for (int row = max(line, block.row); row <= min(line + stride - 1, south); ++row) {
+                const Real off = above + (below - above) * ((row - line) * step)
+                               - row_heights(ground, row, column, east);
+                worst = LARGER(ABSOLUTE(off), worst);
             }
         }
-    worst = group_max(worst, scratch);
+    }
+    float drift = 0.0f, height = 0.0f;
+    for (int lane = 0; lane < LANES; ++lane) {
+        drift = larger(LANE(worst, lane), drift);
+        height = larger(LANE(highest, lane), height);
+    }
+    drift = group_max(drift, scratch);
+    height = group_max(height, scratch);
     // what a dozen roundings may have taken away
     if (get_local_id(0) == 0)
-        drifts[get_group_id(0)] = worst > 0.0f ? worst + 1e-6f * highest : 0.0f;
+        drifts[get_group_id(0)] = drift > 0.0f ? drift + 1e-6f * height : 0.0f;
 }
 
 // From what is known of the nodes of a level to three levels above it; from 0 to the tiles themselves, too.

@@ -222,9 +222,14 @@ class DeviceQuadtree:
     @cached_property
     def _defines(self) -> dict[str, int]:
         tile = self.ground.grid.tile
-        group = self.device.group_size(_NODE_GROUP)
-        own = {"TILE": tile, "FINER": lattice_levels(tile), "DEPTH": self.depth, "GROUP": group}
-        return own | self.ground.defines
+        return {
+            "TILE": tile,
+            "FINER": lattice_levels(tile),
+            "DEPTH": self.depth,
+            "GROUP": self.device.group_size(_NODE_GROUP),
+            "LANES": self.device.lanes,
+            **self.ground.defines,
+        }
 
     @contextmanager
     def marked(self, steady: Steady | None = None) -> Iterator[tuple[int, Marks]]:
@@ -300,4 +305,4 @@ class DeviceQuadtree:
 def _block_count(shapes: tuple[tuple[int, int], ...], finer: int) -> int:
     """Return how many blocks drifts are found by: ``kernels/terrain/tree.cl``."""
     levels = range(finer + 1, len(shapes))
-    return sum(prod(shapes[min(level, max(2, level - 5))]) for level in levels)
+    return sum(prod(shapes[min(level, max(3, level - 5))]) for level in levels)
