@@ -40,16 +40,15 @@ inline float allowed_of(const Grid grid, const Allowance allowance, const Tile t
     return fmax(error - 1e-6f * (maximum - minimum), 0.0f);
 }
 
-// What a node is held to: what it was held to before, in the last mesh, until that is more than it is allowed,
-// or less by a share of hysteresis and a rounding. Held to itself, it stays what it is.
+// What a node is held to: what it was held to before, in the last mesh, as long as what it is allowed is within
+// a band above that. Else what it is allowed is to stand in the middle of a new band, so that a little more or
+// less changes nothing.
 inline float held_to(const Allowance allowance, float allowed, float before)
 {
     const float band = 1.0f + allowance.hysteresis;
-    if (allowance.hysteresis == 0.0f)
-        return allowed;
-    if (before <= allowed && allowed <= before * band * 1.000001f)
-        return before;
-    return allowed < before ? allowed / band : allowed;
+    if (allowance.hysteresis == 0.0f || (before <= allowed && allowed <= before * band))
+        return allowance.hysteresis == 0.0f ? allowed : before;
+    return allowed / sqrt(band);
 }
 
 #endif

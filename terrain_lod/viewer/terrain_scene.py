@@ -14,6 +14,7 @@ from ..device.device import Device
 from ..ground.heightmap import Heightmap
 from ..measure.error import vertical_error
 from ..measure.screen_error import screen_error
+from ..terrain.steady import Steady
 from ..terrain.terrain import Terrain
 from .colours import (
     Paint,
@@ -200,6 +201,7 @@ class TerrainScene(Scene):
         if ground.heights.size > _LARGE:
             self.settings = self.settings.with_tile(_LARGE_TILE)
         self._terrain: Terrain | None = None
+        self._steady = Steady()
 
     def camera(self) -> Camera:
         return default_camera(self.ground)
@@ -228,6 +230,7 @@ class TerrainScene(Scene):
             lod=settings.detail(),
             edge_rule=settings.usable_edge_rule,
             partitioning=settings.partitioning,
+            steady=self._steady if settings.can_be_steady else None,
         )
         patches, achieved = mesh.patches, mesh.achieved
         assert patches is not None

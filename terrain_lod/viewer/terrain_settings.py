@@ -8,7 +8,7 @@ from typing import Any, Final
 from ..arguments import whole
 from ..device.layout import DEFAULT_TILE, MAX_TILE
 from ..numbered import TILE, begin, numbers_of, with_number
-from ..terrain.lod import WEIGHTS, AnyLod, Lod, PromiseLod, Weighted
+from ..terrain.lod import WEIGHTS, AnyLod, Lod, PromiseLod, Weighted, unweighted
 from ..terrain.lod_formulas import UniformLod
 from ..terrain.lods import LODS
 from .settings import (
@@ -93,6 +93,13 @@ class TerrainSettings(Settings):
         """The edge rule, where the level of detail is a formula."""
         promises = self.tessellated and isinstance(self.formulas[self.lod], PromiseLod)
         return None if promises else self.edge_rule
+
+    @property
+    def can_be_steady(self) -> bool:
+        """Whether patches can stay as they are from one mesh to the next."""
+        lod = unweighted(self.detail())
+        promised = isinstance(lod, PromiseLod) and lod.triangles is None
+        return promised and self.partitioning == "integer"
 
     def detail(self) -> AnyLod:
         """Return the level of detail."""
