@@ -199,7 +199,7 @@ typedef struct {
     int level;
 } Piece;
 
-inline Piece next_piece(const Ground ground, const Tree tree, __global const float4 *details,
+__attribute__((always_inline)) inline Piece next_piece(const Ground ground, const Tree tree, __global const float4 *details,
                         __global const uint *marks, uint stamp, __global const int *leaf_of,
                         __global const int *factors, const Tile leaf_tile, int side, float room,
                         Walk *walk)
@@ -226,8 +226,22 @@ inline Piece next_piece(const Ground ground, const Tree tree, __global const flo
     return piece;
 }
 
-// How many points each side has, and whether it is as it was before; FILL puts them.
-inline int side_points(LEAF_ARGUMENTS, __global const int *factors, int leaf, int side, uint *key,
+// Puts the points of a piece; returns how many segments it has.
+inline int put_piece(const Piece piece, __global int *places)
+{
+    const int f = piece.segments;
+    for (int k = 0; k <= f && places; ++k)
+        places[k] = piece.begin * FIXED_ONE + (int)(((long)k * piece.cells * FIXED_ONE + f / 2) / f);
+    return f;
+}
+
+inline uint key_of(uint before, const Piece piece)
+{
+    return before * 1031 + piece.level * 67 + piece.segments;
+}
+
+// How many points a side has, and a key of its pieces; puts them where there are places.
+__attribute__((always_inline)) inline int side_points(LEAF_ARGUMENTS, __global const int *factors, int leaf, int side, uint *key,
                        __global int *places)
 {
     const Ground ground = {grid, heights, holes, detail_heights};
@@ -235,24 +249,20 @@ inline int side_points(LEAF_ARGUMENTS, __global const int *factors, int leaf, in
     const Node node = node_at(tree, index);
     const Tile tile = node_tile(grid, node);
     const int own = own_factor(tree, leaf_of, factors, leaf, node, side);
+    if (own > 0) {
+        const Piece piece = {own, 0, edge_cells(tile, side), node.level};
+        *key = key_of(0, piece);
+        return put_piece(piece, places) + 1;
+    }
     const float room = room_of(allowed[index], shares[leaf], details[index].x);
     Walk walk = walk_along(grid, node, side);
     int segments = 0;
     *key = 0;
     while (walk.left > 0) {
-        Piece piece = {own, 0, edge_cells(tile, side), node.level};
-        if (own > 0)
-            walk.left = 0;
-        else
-            piece = next_piece(ground, tree, details, marks, stamp, leaf_of, factors, tile, side, room,
-                               &walk);
-        const int f = piece.segments;
-        if (places)
-            for (int k = 0; k <= f; ++k)
-                places[segments + k] = piece.begin * FIXED_ONE
-                                     + (int)(((long)k * piece.cells * FIXED_ONE + f / 2) / f);
-        segments += f;
-        *key = *key * 1031 + piece.level * 67 + f;
+        const Piece piece = next_piece(ground, tree, details, marks, stamp, leaf_of, factors, tile, side,
+                                       room, &walk);
+        segments += put_piece(piece, places ? places + segments : 0);
+        *key = key_of(*key, piece);
     }
     return segments + 1;
 }
