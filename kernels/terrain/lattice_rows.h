@@ -18,16 +18,16 @@ typedef struct {
     float fraction[PITCH];
 } Columns;
 
-inline void lay_columns(const Lattice *lattice, int f, Columns *columns)
+inline void lay_columns(const Lattice *lattice, int f, int count, Columns *columns)
 {
     int cell = 0, on = 0;
-    for (int k = 0; k < PITCH; ++k, on += lattice->stride * f) {
+    for (int k = 0; k < count; ++k, on += lattice->stride * f) {
         for (; on >= lattice->cells_across && cell < f - 1; ++cell)
             on -= lattice->cells_across;
         columns->cell[k] = cell;
         columns->fraction[k] = on;
     }
-    for (int k = 0; k < PITCH; ++k)
+    for (int k = 0; k < count; ++k)
         columns->fraction[k] /= lattice->cells_across;
 }
 
@@ -47,8 +47,9 @@ inline float largest_error(const Lattice *lattice, int fu, int fv, Asked columns
     Plane first, second;
     int falls[PITCH], asked[PITCH];
     float errors[PITCH];
-    lay_columns(lattice, fu, &across);
-    for (int k = 0; k < PITCH; ++k) {
+    const int vectors = columns.last / 8 + 1, count = 8 * vectors;
+    lay_columns(lattice, fu, count, &across);
+    for (int k = 0; k < count; ++k) {
         asked[k] = k >= columns.first && k <= columns.last ? -1 : 0;
         errors[k] = 0.0f;
     }
@@ -62,7 +63,7 @@ inline float largest_error(const Lattice *lattice, int fu, int fv, Asked columns
                 lay_vertices(lattice, fu, fv, down.line, upper);
             line = down.line;
             lay_vertices(lattice, fu, fv, line + 1, lower);
-            for (int k = 0; k < PITCH; ++k) {
+            for (int k = 0; k < count; ++k) {
                 const int i = across.cell[k];
                 const float z00 = upper[i], z10 = upper[i + 1], z01 = lower[i], z11 = lower[i + 1];
                 const bool falling = is_falling(i, line, fu, fv);
@@ -77,7 +78,7 @@ inline float largest_error(const Lattice *lattice, int fu, int fv, Asked columns
         }
         const float8 b = down.fraction;
         int8 over = 0;
-        for (int v = 0; v < PITCH / 8; ++v) {
+        for (int v = 0; v < vectors; ++v) {
             const float8 a = vload8(v, across.fraction);
             const int8 falling = vload8(v, falls);
             const int8 is_first = select(a + b <= 1.0f, a >= b, falling);
@@ -106,7 +107,7 @@ inline float largest_error(const Lattice *lattice, int fu, int fv, Asked columns
         }
     }
     float error = 0.0f;
-    for (int column = 0; column < PITCH; ++column)
+    for (int column = 0; column < count; ++column)
         error = larger(errors[column], error);
     return error;
 }

@@ -41,6 +41,8 @@ _OF_LEAVES: Final = (
     "_unmeasured",
     "_failed",
     "_keys",
+    "_side_factors",
+    "_side_rooms",
     "measured",
 )
 
@@ -189,6 +191,8 @@ class Leaves:
         self._unmeasured = device.zeros(count, np.uint8).fill(1)
         self._failed = device.zeros(count, np.uint8)
         self._keys = device.zeros((count, layout.EDGES), np.uint32)
+        self._side_factors = device.zeros((count, layout.EDGES), np.int32)
+        self._side_rooms = device.empty((count, layout.EDGES), np.float32)
         self.measured = device.zeros(count, np.float32)
         self.factors = DeviceFactors(
             device.empty((count, layout.EDGES), np.float32),
@@ -241,8 +245,8 @@ class Leaves:
     def _lay_sides(self) -> None:
         """Find the factors of all sides, and where their points lie."""
         device, count = self.device, self.count
-        own = device.empty((count, layout.EDGES), np.int32)
-        counts = device.empty(count * layout.EDGES, np.uint32)
+        sides = count * layout.EDGES
+        counts = device.empty(sides, np.uint32)
         shared = {
             **self.tree.arguments,
             **self._states,
@@ -251,13 +255,13 @@ class Leaves:
             "leaves": self._leaves,
             "shares": self._shares,
             "leaf_of": self._marks.leaf_of,
-            "factors": own,
+            "factors": self._side_factors,
         }
-        self.tree.run("joints.cl", "side_factors", count, **shared)
+        self.tree.run("joints.cl", "side_factors", sides, **shared, rooms=self._side_rooms)
         self.tree.run(
             "joints.cl",
             "side_counts",
-            count * layout.EDGES,
+            sides,
             **shared,
             keys=self._keys,
             counts=counts,
@@ -270,7 +274,7 @@ class Leaves:
         self.tree.run(
             "joints.cl",
             "side_places",
-            count * layout.EDGES,
+            sides,
             **shared,
             offsets=offsets,
             places=places,

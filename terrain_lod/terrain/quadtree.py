@@ -209,7 +209,7 @@ class DeviceQuadtree:
 
     def run(self, file: str, name: str, items: int, /, **arguments: Any) -> None:
         """Launch a kernel of ``kernels/terrain/``, a work-item for each of `items`."""
-        self._kernel(file, name)((items,), (self.device.group_size(_GROUP),), **arguments)
+        self._kernel(file, name)((items,), (_GROUP,), **arguments)
 
     def run_groups(self, file: str, name: str, count: int, /, **arguments: Any) -> None:
         """Launch a kernel of ``kernels/terrain/``, a group for each of `count`."""
