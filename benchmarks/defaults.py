@@ -7,8 +7,8 @@
 pydelatin's; then of one pixel over a low flight, with the patches that are drawn, the first view
 from a raster in host memory, one more view, and the pops from a view to the next of 240 pictures.
 `pops`: what patches that change late come to, over neighbouring pictures of that flight and under
-a camera that trembles by as much as from one to the next; beside smaller errors, and beside distance
-LOD with as many triangles, which moves smoothly but keeps no error.
+a camera that trembles by as much as from one to the next; beside smaller errors, and beside
+distance LOD with as many triangles, which moves smoothly but keeps no error.
 
 Times are medians of works that are run in turn.
 """

@@ -94,7 +94,7 @@ def promises(names: list[str], samples: int, cameras: int, tiles: list[int]) -> 
 
 
 def cracks(names: list[str], samples: int, views: int, tiles: list[int]) -> int:
-    """Count what keeps meshes from being watertight, over views of all grounds and tiles in turn."""
+    """Count what is not watertight, over views of all grounds and tile sizes in turn."""
     cracked = triangles = 0
     made = [terrain_of(name, samples, tile) for name in names for tile in tiles]
     for number, (terrain, ground) in enumerate(made):

@@ -125,8 +125,8 @@ def render(
     output
         PNG to write; a folder with --path, --orbit or --flyover.
     style
-        shaded: sunlit and tinted by height. wireframe: the triangles. lod: red for patches with
-        much detail, through green and blue to black for those with little.
+        shaded: sunlit and tinted by height. wireframe: the triangles. lod: red where a segment
+        is a cell of the raster, through green and blue to black where it is 64 or more.
     sun
         Where the light comes from: degrees clockwise from north, degrees above the horizon.
     """

@@ -25,6 +25,7 @@ from .colours import (
     lit,
     lod_colours,
     mixed,
+    segment_colours,
     sun_direction,
     to_bytes,
 )
@@ -171,14 +172,15 @@ def _shaded(
 def _by_factors(
     mesh: Mesh, sun: npt.NDArray[np.float32], factor_range: tuple[float, float] | None
 ) -> Colours:
-    """Return the colour of each triangle: its patch's factors, with enough light to see relief."""
+    """Return the colour of each triangle: its patch's detail, with enough light to see relief."""
     if mesh.patches is None:
         raise InputError("expected a mesh with patches for style 'lod', got one without")
     if factor_range is None:
-        factor_range = (1.0, max(2.0, float(mesh.patches.tile)))
-    if not finite("factor_range", factor_range[0]) < finite("factor_range", factor_range[1]):
+        colours = segment_colours(mesh.patches.segment_cells)
+    elif not finite("factor_range", factor_range[0]) < finite("factor_range", factor_range[1]):
         raise InputError(f"expected a factor_range that rises, got {factor_range}")
-    colours = lod_colours(mesh.patches.inside_factors.mean(axis=1), factor_range)
+    else:
+        colours = lod_colours(mesh.patches.inside_factors.mean(axis=1), factor_range)
     a, b, c = (mesh.vertices[mesh.triangles[:, corner]] for corner in range(3))
     across = np.cross(b - a, c - a)
     across /= np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-30)

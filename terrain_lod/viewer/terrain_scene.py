@@ -22,6 +22,7 @@ from .colours import (
     by_error,
     by_height,
     by_normal,
+    by_segments,
     paper,
 )
 from .rig import ground_seen, height_at
@@ -125,7 +126,8 @@ class TerrainFrame(Frame):
             case "wireframe":
                 return paper(mesh)
             case "lod":
-                return self.by_detail(self.settings.tile)
+                assert mesh.patches is not None
+                return by_segments(mesh, sun, mesh.patches)
             case "deviation":
                 patches, rough = mesh.patches, self.terrain.scene.rough_deviation
                 assert patches is not None
