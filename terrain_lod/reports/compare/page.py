@@ -171,7 +171,7 @@ def _seen(made: SweepReport) -> str:
     pictures = [figure(made.files[name], name) for name in names]
     return section(
         "Where the triangles go",
-        paragraph("The first view, each patch in the colour of how long its segments are.", kind="soft"),
+        paragraph("The first view, each patch coloured by how long its segments are.", kind="soft"),
         ramp,
         row_of_figures("two", pictures),
     )
