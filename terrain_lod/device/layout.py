@@ -19,7 +19,6 @@ MAX_TILE: Final = 63
 DEFAULT_TILE: Final = 15
 
 MAX_LEVELS: Final = 16  # of a quadtree
-UNMEASURED: Final = -1e-30  # an error of which nothing is known but that it is no less
 
 # corners of the tile, then the far corners of its four neighbours
 CONTROL_POINTS: Final = 12
@@ -112,7 +111,6 @@ CONSTANTS: Final = {
     "PATCH_DOMINANT": PATCH_DOMINANT,
     "PATCH_INDICES": PATCH_INDICES,
     "NET_VECTORS": NET_VECTORS,
-    "UNMEASURED": f"{UNMEASURED}f",
     **{name.upper(): number for number, name in enumerate(PARTITIONINGS)},
 }
 STRUCTS: Final = {"Grid": GRID, "Tree": TREE, "View": VIEW, "Bins": BINS, "Decal": DECAL}
