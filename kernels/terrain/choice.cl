@@ -31,7 +31,7 @@
     ALLOWANCE_ARGUMENTS                                                                            \
     const float share,                          /* of what is allowed */                           \
     __global const int *order,                  /* (TILE * TILE,) */                               \
-    __global float *errors,                     /* (N, TILE, TILE) remembered */                   \
+    __global ushort *errors,                     /* (N, TILE, TILE) remembered */                   \
     const uint stamp, __global uint *marks, __global float *allowed,    /* (N,) */                 \
     __global float *costs                       /* (N - first[DEPTH],) first what is to be */      \
                                                 /* undercut, then what it comes to */
@@ -44,7 +44,7 @@ typedef struct {
     Allowance allowance;
     float share;
     __global const int *order;
-    __global float *errors;
+    __global ushort *errors;
     uint stamp;
     __global uint *marks;
     __global float *allowed;
@@ -61,7 +61,7 @@ inline float own_cost(const Choice *choice, const Node node, const Tile tile, fl
 {
     const int most_u = min(TILE, tile.cells_across), most_v = min(TILE, tile.cells_down);
     const Lattice lattice = lattice_of(tile, stride_of(node.level), choice->lattice, choice->scratch);
-    __global float *errors = choice->errors + (size_t)node_index(choice->tree, node) * TILE * TILE;
+    __global ushort *errors = choice->errors + (size_t)node_index(choice->tree, node) * TILE * TILE;
     bool is_read = false;
     // first where a dome is highest
     int2 worst = (int2)(lattice.across / 2, lattice.down / 2);

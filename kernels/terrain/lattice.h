@@ -172,22 +172,45 @@ inline float pattern_error(const Lattice *lattice, int fu, int fv, bool inner, f
     return largest_error(lattice, fu, fv, columns, rows, enough, worst);
 }
 
-// Is an error that is remembered within `room`? It is itself where it was measured, or minus the least that
-// it is known to be. The lattice is read when it is first wanted.
-inline bool is_within(const Ground ground, const Tile tile, const Lattice *lattice, bool *is_read,
-                      __global float *remembered, float room, int fu, int fv, bool inner, int2 *worst)
+// Errors are remembered in 16 bits: 0 where nothing is known, else which 1024th of an octave, from 2^-16 on,
+// an error lies in, and whether it is there or there at least. Where that does not tell, it is measured again.
+#define STEP_BITS 10
+#define FIRST_STEP ((127 - 16) << STEP_BITS)
+#define LAST_STEP 32766
+
+inline float step_begin(int step)
 {
-    const float known = *remembered;
-    if (known >= 0.0f)
-        return known <= room;
-    if (-known > room)
-        return false;
+    return step > 0 ? as_float((uint)(FIRST_STEP + step) << (23 - STEP_BITS)) : 0.0f;
+}
+
+inline float step_end(int step)
+{
+    return step < LAST_STEP ? as_float((uint)(FIRST_STEP + step + 1) << (23 - STEP_BITS)) : INFINITY;
+}
+
+inline ushort remembered_error(float error, bool is_all)
+{
+    const int step = clamp((int)(as_uint(error) >> (23 - STEP_BITS)) - FIRST_STEP, 0, LAST_STEP);
+    return 2 * (step + 1) + is_all;
+}
+
+// Is the error of a pattern within `room`? The lattice is read when it is first wanted.
+inline bool is_within(const Ground ground, const Tile tile, const Lattice *lattice, bool *is_read,
+                      __global ushort *remembered, float room, int fu, int fv, bool inner, int2 *worst)
+{
+    const int known = *remembered, step = known / 2 - 1;
+    if (known > 0) {
+        if (step_begin(step) > room)
+            return false;
+        if (known % 2 == 1 && step_end(step) <= room)
+            return true;
+    }
     if (!*is_read)
         read_lattice(ground, tile, lattice);
     *is_read = true;
     const float error = pattern_error(lattice, fu, fv, inner, room, worst);
     if (get_local_id(0) == 0)
-        *remembered = error <= room ? error : -error;
+        *remembered = remembered_error(error, error <= room);
     return error <= room;
 }
 

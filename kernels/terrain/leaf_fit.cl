@@ -91,15 +91,15 @@ __kernel void fit_leaves(const Grid grid,
                          __global const float *detail_heights,      // where DETAIL
                          const Tree tree, __global const float4 *details,       // (N,)
                          __global const int *order,                 // (TILE * TILE,)
-                         __global float *errors,                    // (N, TILE, TILE) remembered
-                         __global float *inner_errors,              // (N, TILE, TILE)
+                         __global ushort *errors,                    // (N, TILE, TILE) remembered
+                         __global ushort *inner_errors,              // (N, TILE, TILE)
                          const uint stamp, __global const uint *marks,
                          __global const float *allowed,             // (N,)
                          const int count, __global const int *leaves,
                          __global const float *shares,              // (P,)
                          __global const uint *side_offsets,         // (P * 4 + 1,)
                          __global const int *side_places,
-                         __global const uchar *changed,             // (P,) others stay
+                         __global uchar *changed,                   // (P,) others stay
                          __global float2 *inside_factors,           // (P,)
                          __global uchar *unmeasured,                // (P,)
                          __global uchar *failed)                    // (P,) to be split
@@ -113,6 +113,7 @@ __kernel void fit_leaves(const Grid grid,
     WAIT();
     if (get_local_id(0) == 0) {
         inside_factors[leaf] = (float2)(0.0f);
+        changed[leaf] = 0;
         unmeasured[leaf] = 1;
     }
     // those with too many points have failed already

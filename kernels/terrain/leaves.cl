@@ -1,11 +1,31 @@
 // The leaves of a mesh: those that nothing holds for are split, those that exceed are asked for less.
 //
+//   begin                   of leaves that are new nothing is known
 //   count_children, split   the children of leaves stand behind the others
 //   tighten                 what exceeds
 //   describe                what a mesh tells of its patches
 //
 // Built with: TILE, FINER.
 #include "terrain/allowance.h"
+
+__kernel void begin(const int first, const int count, const float share,
+                    __global float *shares, __global uchar *changed,        // (P,)
+                    __global uchar *unmeasured, __global uchar *failed,     // (P,)
+                    __global uint4 *keys, __global int4 *factors,           // (P,) of the four sides
+                    __global float2 *inside_factors,                        // (P,)
+                    __global float *measured)                               // (P,)
+{
+    const int leaf = first + get_global_id(0);
+    if (leaf >= first + count)
+        return;
+    shares[leaf] = share;
+    changed[leaf] = unmeasured[leaf] = 1;
+    failed[leaf] = 0;
+    keys[leaf] = (uint4)(0);
+    factors[leaf] = (int4)(0);
+    inside_factors[leaf] = (float2)(0.0f);
+    measured[leaf] = 0.0f;
+}
 
 // How many children the leaves have that are to be split.
 __kernel void count_children(const Tree tree, const int count, __global const int *leaves,
@@ -22,7 +42,7 @@ __kernel void count_children(const Tree tree, const int count, __global const in
 
 __kernel void split(const Grid grid, const Tree tree, __global const float4 *details,   // (N,)
                     ALLOWANCE_ARGUMENTS
-                    const float share, const int count,
+                    const int count,
                     __global const uint *child_counts,          // (count,) 0 where a leaf stays
                     __global const uint *child_offsets,         // (count + 1,)
                     const uint stamp,
@@ -30,8 +50,7 @@ __kernel void split(const Grid grid, const Tree tree, __global const float4 *det
                     __global float *allowed,                    // (N,)
                     __global int *leaf_of,                      // (N,)
                     __global int *leaves,                       // count, and room for the children
-                    __global float *shares,
-                    __global uchar *changed)
+                    __global uchar *changed, __global uchar *failed)
 {
     const int leaf = get_global_id(0);
     if (leaf >= count || child_counts[leaf] == 0)
@@ -40,6 +59,7 @@ __kernel void split(const Grid grid, const Tree tree, __global const float4 *det
     const Node node = node_at(tree, leaves[leaf]);
     marks[leaves[leaf]] = stamp * 4 + SPLIT;
     changed[leaf] = 1;
+    failed[leaf] = 0;
     int target = count + child_offsets[leaf];
     for (int child = 0; child < 4; ++child) {
         const Node below = child_of(node, child);
@@ -51,8 +71,6 @@ __kernel void split(const Grid grid, const Tree tree, __global const float4 *det
         marks[index] = stamp * 4 + (isnan(allowed[index]) ? ABSENT : LEAF);
         leaf_of[index] = target;
         leaves[target] = index;
-        shares[target] = share;
-        changed[target] = 1;
         ++target;
     }
 }
@@ -65,12 +83,14 @@ __kernel void tighten(const Tree tree, const int count, const float least_share,
                       __global const float *measured,       // (P,)
                       __global float *shares,               // (P,)
                       __global uchar *changed,              // (P,)
+                      __global uchar *unmeasured,           // (P,)
                       __global uchar *failed,               // (P,)
                       __global uint *counts)                // (2,) exceeding, and can do better
 {
     const int leaf = get_global_id(0);
     if (leaf >= count)
         return;
+    unmeasured[leaf] = 0;
     const int index = leaves[leaf];
     const float most = allowed[index];
     if (mark_of(marks, stamp, index) != LEAF || !(measured[leaf] > most))

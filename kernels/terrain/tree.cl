@@ -169,7 +169,7 @@ __kernel void lift(const Tree tree, const int level, __global float *weights)   
 
 // What is remembered of nodes whose samples have changed is forgotten.
 __kernel void forget(const Tree tree, const int level, const int row, const int column, const int rows,
-                     const int columns, __global float *errors, __global float *inner_errors)
+                     const int columns, __global ushort *errors, __global ushort *inner_errors)
 {
     const int i = get_global_id(0);
     if (i >= rows * columns)
@@ -177,5 +177,5 @@ __kernel void forget(const Tree tree, const int level, const int row, const int 
     const Node node = {level, row + i / columns, column + i % columns};
     const size_t first = (size_t)node_index(tree, node) * TILE * TILE;
     for (int pair = 0; pair < TILE * TILE; ++pair)
-        errors[first + pair] = inner_errors[first + pair] = UNMEASURED;
+        errors[first + pair] = inner_errors[first + pair] = 0;
 }

@@ -255,6 +255,7 @@ class DeviceArray:
             self.buffer = device.memory.allocate(nbytes)
         device.memory.account(nbytes)
         self._accounted = nbytes
+        self._whole: DeviceArray | None = None
 
     def __del__(self) -> None:
         # those that no memory was found for have none to give back
@@ -294,6 +295,14 @@ class DeviceArray:
             offset = start * self.dtype.itemsize
             with named("writing", self):
                 cl.enqueue_copy(self.device.queue, self.buffer, flat, dst_offset=offset)
+
+    def head(self, rows: int) -> DeviceArray:
+        """Return its first rows, in the same memory."""
+        part = object.__new__(DeviceArray)
+        part.device, part.dtype, part.buffer = self.device, self.dtype, self.buffer
+        part.shape = (min(rows, self.shape[0]), *self.shape[1:])
+        part._whole = self  # which is counted as long as there are parts of it
+        return part
 
     def copy(self, first: int, end: int) -> DeviceArray:
         """Return another array of the rows from `first` to before `end`."""

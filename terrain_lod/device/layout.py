@@ -20,7 +20,6 @@ DEFAULT_TILE: Final = 4  # of a quadtree: docs/promises.md has the figures
 FLAT_TILE: Final = 15  # of a flat grid: 16 x 16 samples, the work-group of the book
 
 MAX_LEVELS: Final = 16  # of a quadtree
-UNMEASURED: Final = -1e-30  # an error of which nothing is known but that it is no less
 
 # corners of the tile, then the far corners of its four neighbours
 CONTROL_POINTS: Final = 12
@@ -113,7 +112,6 @@ CONSTANTS: Final = {
     "PATCH_DOMINANT": PATCH_DOMINANT,
     "PATCH_INDICES": PATCH_INDICES,
     "NET_VECTORS": NET_VECTORS,
-    "UNMEASURED": f"{UNMEASURED}f",
     **{name.upper(): number for number, name in enumerate(PARTITIONINGS)},
 }
 STRUCTS: Final = {"Grid": GRID, "Tree": TREE, "View": VIEW, "Bins": BINS, "Decal": DECAL}

@@ -34,17 +34,19 @@ FIRST_SHARE: Final = 0.998
 _LEAST_SHARE: Final = 0.05
 
 # arrays with a row a leaf
-_OF_LEAVES: Final = (
-    "_leaves",
-    "_shares",
-    "_changed",
-    "_unmeasured",
-    "_failed",
-    "_keys",
-    "_side_factors",
-    "_side_rooms",
-    "measured",
-)
+_OF_LEAVES: Final = {
+    "_leaves": ((), np.int32),
+    "_shares": ((), np.float32),
+    "_changed": ((), np.uint8),
+    "_unmeasured": ((), np.uint8),
+    "_failed": ((), np.uint8),
+    "_keys": ((layout.EDGES,), np.uint32),
+    "_side_factors": ((layout.EDGES,), np.int32),
+    "_side_rooms": ((layout.EDGES,), np.float32),
+    "_edges": ((layout.EDGES,), np.float32),
+    "_insides": ((layout.INSIDES,), np.float32),
+    "measured": ((), np.float32),
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,12 +104,22 @@ class Leaves:
     ----------
     count : int
         P, leaves that were split included.
-    factors : DeviceFactors
-        0 where a leaf was split.
     sides : Sides
-    measured : DeviceArray, (P,) float32
-        Error of each leaf's triangles.
+    measured : DeviceArray, float32
+        Error of each leaf's triangles, and more rows than leaves.
     """
+
+    _leaves: DeviceArray
+    _shares: DeviceArray
+    _changed: DeviceArray
+    _unmeasured: DeviceArray
+    _failed: DeviceArray
+    _keys: DeviceArray
+    _side_factors: DeviceArray
+    _side_rooms: DeviceArray
+    _edges: DeviceArray
+    _insides: DeviceArray
+    measured: DeviceArray
 
     def __init__(
         self,
@@ -133,16 +145,16 @@ class Leaves:
             "weights": tree.deviations if weights is None else weights,
             "hysteresis": hysteresis,
         }
-        self.count = 0
-        self._take(self._select())
+        self.count, self._room = 0, -1
+        self._select()
         self._lay_sides()
 
     @property
     def _states(self) -> dict[str, Any]:
         return {"stamp": self._stamp, "marks": self._marks.marks}
 
-    def _select(self) -> DeviceArray:
-        """Return the nodes of the cheapest mesh found, by what each costs by itself."""
+    def _select(self) -> None:
+        """Find the nodes of the cheapest mesh, by what each costs by itself."""
         tree, device, depth = self.tree, self.device, self.tree.depth
         above = range(depth + 1, len(tree.shapes))
         # those from the depth up stand at the end
@@ -169,7 +181,7 @@ class Leaves:
             tree.run("choice.cl", "choose", items, **chosen, level=level, costs=costs)
         tree.run("choice.cl", "count", count, **chosen, nodes=count, leaf_counts=counts)
         offsets, total = exclusive_scan(counts)
-        leaves = device.empty(total, np.int32)
+        self._append(total)
         tree.run(
             "choice.cl",
             "collect",
@@ -177,27 +189,41 @@ class Leaves:
             **chosen,
             nodes=count,
             offsets=offsets,
-            leaves=leaves,
+            leaves=self._leaves,
             leaf_of=self._marks.leaf_of,
         )
-        return leaves
 
-    def _take(self, leaves: DeviceArray) -> None:
-        device, count = self.device, leaves.size
-        self.count = count
-        self._leaves = leaves
-        self._shares = device.empty(count, np.float32).fill(FIRST_SHARE)
-        self._changed = device.zeros(count, np.uint8).fill(1)
-        self._unmeasured = device.zeros(count, np.uint8).fill(1)
-        self._failed = device.zeros(count, np.uint8)
-        self._keys = device.zeros((count, layout.EDGES), np.uint32)
-        self._side_factors = device.zeros((count, layout.EDGES), np.int32)
-        self._side_rooms = device.empty((count, layout.EDGES), np.float32)
-        self.measured = device.zeros(count, np.float32)
-        self.factors = DeviceFactors(
-            device.empty((count, layout.EDGES), np.float32),
-            device.zeros((count, layout.INSIDES), np.float32),
+    def _append(self, extra: int) -> None:
+        """Make room for more leaves, of which nothing is known."""
+        first, self.count = self.count, self.count + extra
+        if self.count > self._room:
+            self._room = self.count + self.count // 4  # most meshes split no more
+            for name, (shape, dtype) in _OF_LEAVES.items():
+                longer = self.device.empty((self._room, *shape), dtype)
+                if first:
+                    longer.paste(getattr(self, name).head(first), 0)
+                setattr(self, name, longer)
+        self.tree.run(
+            "leaves.cl",
+            "begin",
+            extra,
+            first=first,
+            count=extra,
+            share=FIRST_SHARE,
+            shares=self._shares,
+            changed=self._changed,
+            unmeasured=self._unmeasured,
+            failed=self._failed,
+            keys=self._keys,
+            factors=self._side_factors,
+            inside_factors=self._insides,
+            measured=self.measured,
         )
+
+    @property
+    def factors(self) -> DeviceFactors:
+        """Factors of all leaves, 0 of those that were split."""
+        return DeviceFactors(self._edges.head(self.count), self._insides.head(self.count))
 
     def drawn(self) -> Drawn:
         """Bring down what is known of the leaves."""
@@ -226,7 +252,7 @@ class Leaves:
     @property
     def nodes(self) -> npt.NDArray[np.int32]:
         """The node of each leaf; (P,)."""
-        nodes: npt.NDArray[np.int32] = self._leaves.host()
+        nodes: npt.NDArray[np.int32] = self._leaves.head(self.count).host()
         return nodes
 
     @property
@@ -237,7 +263,7 @@ class Leaves:
             "leaves": self._leaves,
             "side_offsets": self.sides.offsets,
             "side_places": self.sides.places,
-            "inside_factors": self.factors.inside,
+            "inside_factors": self._insides,
         }
         header = "terrain/patch_leaves.h"
         return PatchSet(self.tree.ground, header, self.count, arguments, self.tree.details)
@@ -265,7 +291,7 @@ class Leaves:
             **shared,
             keys=self._keys,
             counts=counts,
-            edge_factors=self.factors.edge,
+            edge_factors=self._edges,
             changed=self._changed,
             failed=self._failed,
         )
@@ -299,11 +325,10 @@ class Leaves:
             side_offsets=self.sides.offsets,
             side_places=self.sides.places,
             changed=self._changed,
-            inside_factors=self.factors.inside,
+            inside_factors=self._insides,
             unmeasured=self._unmeasured,
             failed=self._failed,
         )
-        self._changed.fill(0)
 
     def fit(self) -> None:
         """Find insides that hold, and split leaves until all have some."""
@@ -329,13 +354,7 @@ class Leaves:
         offsets, total = exclusive_scan(children)
         if total == 0:
             return False
-        self._failed.fill(0)
-        self.count += total
-        for name in _OF_LEAVES:
-            setattr(self, name, _extended(getattr(self, name), total))
-        self.factors = DeviceFactors(
-            _extended(self.factors.edge, total), _extended(self.factors.inside, total)
-        )
+        self._append(total)
         self.tree.run(
             "leaves.cl",
             "split",
@@ -345,22 +364,20 @@ class Leaves:
             details=tree.details,
             **self._asked,
             **self._states,
-            share=FIRST_SHARE,
             count=count,
             child_counts=children,
             child_offsets=offsets,
             allowed=self._marks.allowed,
             leaf_of=self._marks.leaf_of,
             leaves=self._leaves,
-            shares=self._shares,
             changed=self._changed,
+            failed=self._failed,
         )
         return True
 
     def measure(self, pattern: DevicePattern) -> None:
         """Measure the triangles of the leaves that changed, at every sample."""
         measure_patches(self.patches, pattern, self._unmeasured, self.measured)
-        self._unmeasured.fill(0)
 
     def tighten(self) -> tuple[int, int]:
         """Ask leaves that exceed for less; note those that nothing holds for.
@@ -384,6 +401,7 @@ class Leaves:
             measured=self.measured,
             shares=self._shares,
             changed=self._changed,
+            unmeasured=self._unmeasured,
             failed=self._failed,
             counts=counts,
         )
@@ -394,10 +412,3 @@ class Leaves:
         """Split what :meth:`tighten` noted, and lay the sides of what has changed."""
         self._split()
         self._lay_sides()
-
-
-def _extended(array: DeviceArray, extra: int) -> DeviceArray:
-    """Return a copy with room for so many more rows, all zero."""
-    longer = array.device.zeros((array.shape[0] + extra, *array.shape[1:]), array.dtype)
-    longer.paste(array, 0)
-    return longer

@@ -87,9 +87,9 @@ class DeviceQuadtree:
         The largest of the node's tiles.
     order : DeviceArray, (T * T,) int32
         Pairs of factors, see :func:`cheapest_first`.
-    errors, inner_errors : DeviceArray, (N, T, T) float32
+    errors, inner_errors : DeviceArray, (N, T, T) uint16
         Largest error of a node at a pair of factors, all of it or what lies within the pattern's
-        outermost inner lines; negative, and then no more than a lower limit, where it is unknown.
+        outermost inner lines, as far as it is known: ``kernels/terrain/lattice.h``.
     """
 
     ground: DeviceGround
@@ -102,6 +102,7 @@ class DeviceQuadtree:
     inner_errors: DeviceArray
     _spare: list[tuple[int, Marks]] = field(default_factory=list)
     _lock: threading.Lock = field(default_factory=threading.Lock)
+    _kernels: dict[tuple[str, str], Kernel] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -117,10 +118,7 @@ class DeviceQuadtree:
         device, tile = ground.device, ground.grid.tile
         shapes = level_shapes(ground.grid.shape, levels)
         count = sum(rows * columns for rows, columns in shapes)
-        device.require(f"a quadtree of {count} nodes", *2 * [4 * count * tile**2], 20 * count)
-        unknown = (
-            device.empty((count, tile, tile), np.float32).fill(layout.UNMEASURED) for _ in range(2)
-        )
+        device.require(f"a quadtree of {count} nodes", *2 * [2 * count * tile**2], 20 * count)
         tree = cls(
             ground,
             shapes,
@@ -128,7 +126,8 @@ class DeviceQuadtree:
             device.empty((count, 4), np.float32),
             device.empty(count, np.float32),
             device.array(cheapest_first(tile)),
-            *unknown,
+            errors=device.zeros((count, tile, tile), np.uint16),
+            inner_errors=device.zeros((count, tile, tile), np.uint16),
         )
         tree._look_at(analysis, (0, 0, ground.grid.rows, ground.grid.columns))
         return tree
@@ -143,6 +142,7 @@ class DeviceQuadtree:
         tree = replace(
             self,
             ground=ground,
+            _kernels={},  # holes may have come
             drifts=self.drifts.copy(0, self.drifts.size),
             details=self.details.copy(0, self.count),
             deviations=self.deviations.copy(0, self.count),
@@ -217,7 +217,10 @@ class DeviceQuadtree:
         self._kernel(file, name)((count * group,), (group,), **arguments)
 
     def _kernel(self, file: str, name: str) -> Kernel:
-        return self.device.kernel(f"terrain/{file}", name, **self._defines)
+        if (file, name) not in self._kernels:
+            kernel = self.device.kernel(f"terrain/{file}", name, **self._defines)
+            self._kernels[file, name] = kernel
+        return self._kernels[file, name]
 
     @cached_property
     def _defines(self) -> dict[str, int]:

@@ -61,7 +61,9 @@ class DeviceTiles:
 
     def _with(self, **changes: Any) -> DeviceTiles:
         """Return the same with more that is known."""
-        return replace(self, made_patches=self.__dict__.get("patches", self.made_patches), **changes)
+        return replace(
+            self, made_patches=self.__dict__.get("patches", self.made_patches), **changes
+        )
 
     def with_ladder(self) -> DeviceTiles:
         """Return the same with every error measured."""
