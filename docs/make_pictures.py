@@ -91,7 +91,7 @@ def draw_patches(path: Path) -> None:
 
 
 def draw_drift(path: Path) -> None:
-    """Draw a cut through ground, its lattice, and a segment that is measured at the lattice alone."""
+    """Draw a cut through ground, its lattice, and two segments that are measured at it."""
     samples = np.arange(33)
     heights = 9 * np.sin(samples / 9.0) + 2.2 * np.sin(samples * 1.31) + 1.2 * np.cos(samples * 2.3)
     lattice, ends = samples[::4], samples[[0, 16, 32]]
