@@ -25,7 +25,7 @@ def ridges() -> tl.Heightmap:
 def test_the_ridge_against_the_sky_weighs_most() -> None:
     # from the south, looking north: nothing but the middle ridge is the horizon
     ground = ridges()
-    terrain = tl.Terrain(ground)
+    terrain = tl.Terrain(ground, tile=15)
     x = ground.centre[0]
     camera = tl.Camera((x, -10_500.0, 300.0), (x, 0.0, 250.0))
     weights = weights_on_device(terrain._tiles, camera, horizon=4.0, silhouette=1.0)
