@@ -56,6 +56,7 @@ from .terrain.analysis import TileAnalysis, analyse
 from .terrain.lod import Lod, PromiseLod, Scene, Weighted
 from .terrain.lod_formulas import CoplanarityLod, DistanceLod, ScreenAreaLod, UniformLod
 from .terrain.lod_promises import BudgetLod, MaxErrorLod, ScreenErrorLod
+from .terrain.steady import Steady
 from .terrain.terrain import Terrain
 from .tessellation.pattern import Pattern
 from .tessellation.semi_uniform import semi_uniform
@@ -92,6 +93,7 @@ __all__ = [
     "ScreenAreaLod",
     "ScreenError",
     "ScreenErrorLod",
+    "Steady",
     "SweepReport",
     "Terrain",
     "TerrainError",

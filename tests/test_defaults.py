@@ -75,7 +75,6 @@ def test_defaults_that_users_rely_on() -> None:
     for name, value in (
         ("fov", 45.0),
         ("size", (1920, 1080)),
-        ("tile", 15),
         ("partitioning", "fractional_odd"),
         ("plane", "least_squares"),
         ("sun", (315.0, 40.0)),

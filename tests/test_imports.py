@@ -28,7 +28,7 @@ ROOMS = {
     "tessellation": "errors arguments device",
     "mesh": "errors arguments device ground",
     "files": "errors arguments paths ground mesh",
-    "terrain": "errors arguments paths numbered device ground camera tessellation mesh",
+    "terrain": "errors arguments numbered device ground camera tessellation mesh",
     "curved": "errors arguments numbered device camera tessellation mesh files",
     "reference": "device ground camera tessellation mesh terrain",
     "measure": "errors arguments device ground camera mesh reference",

@@ -30,6 +30,8 @@ CHECKS: Final[dict[str, Check]] = {
     "terrain/tile_error": promise.TILE_ERROR,
     "terrain/weights": promise.WEIGHTS,
     "terrain/tree": quadtree.TREE,
+    "terrain/choice": quadtree.CHOICE,
+    "terrain/leaves": quadtree.LEAVES,
     "terrain/joints": quadtree.JOINTS,
     "terrain/leaf_fit": quadtree.LEAF_FIT,
     "curved/bezier": curved.BEZIER,

@@ -81,6 +81,7 @@ def demo(
             heights,
             output,
             tile=terrain.tile,
+            levels=terrain.levels,
             plane=terrain.plane,
             device=terrain.open(),
             progress=progress,
@@ -115,8 +116,8 @@ def render(
     output
         PNG to write; a folder with --path, --orbit or --flyover.
     style
-        shaded: sunlit and tinted by height. wireframe: the triangles. lod: red for patches with
-        much detail, through green and blue to black for those with little.
+        shaded: sunlit and tinted by height. wireframe: the triangles. lod: red where a segment
+        is a cell of the raster, through green and blue to black where it is 64 or more.
     sun
         Where the light comes from: degrees clockwise from north, degrees above the horizon.
     """
@@ -133,10 +134,10 @@ def render(
     log("%r", heights)
     options: dict[str, Any] = {"style": style} if sun is None else {"style": style, "sun": sun}
     if many.many:
-        made = terrain.make(heights, added)
+        made = terrain.make(heights, chosen, added)
         return many.render(made, camera, output, [chosen, *beside], meshing, **options)
     options |= {"drape": many.drape(heights), "wireframe": many.wireframe}
-    mesh = terrain.make(heights, added).mesh(camera, lod=chosen, **vars(meshing))
+    mesh = terrain.make(heights, chosen, added).mesh(camera, lod=chosen, **vars(meshing))
     log("%r from %r", mesh, chosen)
     save_png(draw(mesh, camera, height_range=heights.height_range, **options), output)
     say(f"{output}: {_counts(mesh, heights)}")
@@ -177,7 +178,7 @@ def mesh(
     heights, added = reading.load(ground), overlay.load()
     camera = view.over(heights)
     log("%r", heights)
-    made = terrain.make(heights, added).mesh(camera, lod=chosen, cull=cull, **vars(meshing))
+    made = terrain.make(heights, chosen, added).mesh(camera, lod=chosen, cull=cull, **vars(meshing))
     log("%r from %r", made, chosen)
     made.save(output)
     say(f"{output}: {_counts(made, heights)}")

@@ -66,7 +66,7 @@ class PathOptions:
             return orbit(terrain.ground, self.frames, camera=camera)
         return flyover(terrain.ground, self.frames, size=camera.size)
 
-    def second(self, options: LodOptions, tile: int) -> list[Lod | PromiseLod]:
+    def second(self, options: LodOptions, tile: int | None) -> list[Lod | PromiseLod]:
         """Return the level of detail that is shown beside the first, if any."""
         return [] if self.beside is None else [options.beside(self.beside, tile)]
 

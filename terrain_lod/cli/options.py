@@ -14,6 +14,7 @@ from ..camera.camera_file import load_camera
 from ..camera.viewpoint import default_camera
 from ..errors import FileError, InputError
 from ..ground.heightmap import Heightmap
+from ..terrain.lod import AnyLod, PromiseLod, unweighted
 
 if TYPE_CHECKING:
     from ..device.device import Device
@@ -171,11 +172,12 @@ class CameraOptions:
 class MeshingOptions:
     """How factors become triangles."""
 
-    edge_rule: Literal["min", "max", "edge"] | None = None
-    """Factor of an edge between two tiles: the lower of what they want, the higher, or by the
-    edge's own error. Default: edge where an error is kept, else min."""
-    partitioning: Partitioning = "fractional_odd"
-    """How the tessellator divides an edge."""
+    edge_rule: Literal["min", "max"] | None = None
+    """Factor of an edge between two tiles: the lower of what a formula wants for them, or the
+    higher. Default: min."""
+    partitioning: Partitioning | None = None
+    """How the tessellator divides an edge. Default: integer where an error is kept, by patches of
+    every size; else fractional_odd, or integer in tiles of an even number of cells."""
 
 
 @Parameter(name="*", group=_WORK)
@@ -183,8 +185,11 @@ class MeshingOptions:
 class TerrainOptions:
     """How the ground is cut up, and what works on it."""
 
-    tile: int = 15
-    """Cells along a tile, 1 to 63."""
+    tile: int | None = None
+    """Cells along a tile, 1 to 63. Default: 4, or 15 in a flat grid."""
+    levels: int | None = None
+    """Sizes of patches, each twice the last; 1 is a flat grid of tiles. Default: up to the whole
+    raster where an error is kept, 1 for formulas."""
     plane: Literal["least_squares", "corners"] = "least_squares"
     """The plane that a tile's deviation is measured from: the best fit, or the book's."""
     device: str | None = None
@@ -195,7 +200,15 @@ class TerrainOptions:
 
         return Device.open(self.device)
 
-    def make(self, ground: Heightmap, detail: Heightmap | None = None) -> Terrain:
+    def make(self, ground: Heightmap, lod: AnyLod, detail: Heightmap | None = None) -> Terrain:
+        """Return the terrain that a level of detail is at its best on."""
         from ..terrain.terrain import Terrain
 
-        return Terrain(ground, detail=detail, tile=self.tile, plane=self.plane, device=self.open())
+        return Terrain(
+            ground,
+            detail=detail,
+            tile=self.tile,
+            levels=self.levels or (None if isinstance(unweighted(lod), PromiseLod) else 1),
+            plane=self.plane,
+            device=self.open(),
+        )

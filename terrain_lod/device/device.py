@@ -14,7 +14,6 @@ from __future__ import annotations
 import os
 import threading
 import warnings
-import weakref
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache
@@ -137,7 +136,7 @@ class Device:
         """Bytes that arrays have in use."""
         return self.memory.allocated
 
-    def require(self, what: str, *nbytes: int) -> None:
+    def require(self, what: object, *nbytes: int) -> None:
         """Refuse allocations of `nbytes` each for `what` where the device cannot hold them.
 
         Raises
@@ -265,12 +264,17 @@ class DeviceArray:
         self.dtype: np.dtype[Any] = _number_type(dtype)
         # OpenCL has no empty buffers: one element stands in for none
         nbytes = max(self.nbytes, self.dtype.itemsize)
-        what = f"an array of {self.shape} {self.dtype.name}"
-        device.require(what, nbytes)
-        with named(what):
+        device.require(self, nbytes)
+        with named(self):
             self.buffer = device.memory.allocate(nbytes)
         device.memory.account(nbytes)
-        weakref.finalize(self, device.memory.account, -nbytes)
+        self._accounted = nbytes
+        self._whole: DeviceArray | None = None
+
+    def __del__(self) -> None:
+        # those that no memory was found for have none to give back
+        if accounted := self.__dict__.get("_accounted"):
+            self.device.memory.account(-accounted)
 
     @property
     def size(self) -> int:
@@ -279,6 +283,9 @@ class DeviceArray:
     @property
     def nbytes(self) -> int:
         return self.size * self.dtype.itemsize
+
+    def __str__(self) -> str:
+        return f"an array of {self.shape} {self.dtype.name}"
 
     def __repr__(self) -> str:
         return f"<DeviceArray {self.shape} {self.dtype.name} on {self.device.info.name}>"
@@ -302,6 +309,14 @@ class DeviceArray:
             offset = start * self.dtype.itemsize
             with named("writing", self):
                 cl.enqueue_copy(self.device.queue, self.buffer, flat, dst_offset=offset)
+
+    def head(self, rows: int) -> DeviceArray:
+        """Return its first rows, in the same memory."""
+        part = object.__new__(DeviceArray)
+        part.device, part.dtype, part.buffer = self.device, self.dtype, self.buffer
+        part.shape = (min(rows, self.shape[0]), *self.shape[1:])
+        part._whole = self  # which is counted as long as there are parts of it
+        return part
 
     def copy(self, first: int, end: int) -> DeviceArray:
         """Return another array of the rows from `first` to before `end`."""
@@ -384,11 +399,15 @@ class Kernel:
         """Return what OpenCL takes for `value`, or say what was expected."""
         if not parameter.is_pointer:
             return parameter.scalar(value)
-        match value:
-            case int() if parameter.is_local and value > 0:
-                return cl.LocalMemory(value)
-            case DeviceArray(device=self.device, dtype=parameter.dtype) if not parameter.is_local:
+        if isinstance(value, DeviceArray):
+            if (
+                value.device is self.device
+                and value.dtype == parameter.dtype
+                and not parameter.is_local
+            ):
                 return value.buffer
+        elif isinstance(value, int) and parameter.is_local and value > 0:
+            return cl.LocalMemory(value)
         raise parameter.refusal(value)
 
 

@@ -18,7 +18,17 @@ from ..camera.camera import Camera
 from ..errors import InputError
 from ..mesh.mesh import Mesh
 from ..paths import replacing, require_folder
-from .colours import Colours, facing, hypsometric, lit, lod_colours, mixed, sun_direction, to_bytes
+from .colours import (
+    Colours,
+    facing,
+    hypsometric,
+    lit,
+    lod_colours,
+    mixed,
+    segment_colours,
+    sun_direction,
+    to_bytes,
+)
 from .drape import Drape
 from .graphics import require_graphics
 
@@ -142,15 +152,16 @@ def _shaded(
 def _by_factors(
     mesh: Mesh, sun: npt.NDArray[np.float32], factor_range: tuple[float, float] | None
 ) -> Colours:
-    """Return the colour of each triangle: its patch's factors, with enough light to see relief."""
+    """Return the colour of each triangle: its patch's detail, with enough light to see relief."""
     if mesh.patches is None:
         raise InputError("expected a mesh with patches for style 'lod', got one without")
     if factor_range is None:
-        factor_range = (1.0, max(2.0, float(mesh.patches.tile)))
-    least, most = numbers("factor_range", factor_range, "least", "most")
-    if least >= most:
-        raise InputError(f"expected a factor_range that rises, got {(least, most)}")
-    colours = lod_colours(mesh.patches.inside_factors.mean(axis=1), (least, most))
+        colours = segment_colours(mesh.patches.segment_cells)
+    else:
+        least, most = numbers("factor_range", factor_range, "least", "most")
+        if least >= most:
+            raise InputError(f"expected a factor_range that rises, got {(least, most)}")
+        colours = lod_colours(mesh.patches.inside_factors.mean(axis=1), (least, most))
     a, b, c = (mesh.vertices[mesh.triangles[:, corner]] for corner in range(3))
     across = np.cross(b - a, c - a)
     across /= np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-30)

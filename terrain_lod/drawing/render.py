@@ -48,9 +48,9 @@ def render(
     style : str, optional
         ``"shaded"``: sunlit ground, tinted by height, with haze. ``"plain"``: sunlit, all of one
         colour, for what is no ground. ``"wireframe"``: its triangles, hidden ones left out.
-        ``"lod"``: a colour a patch, by its inside factors: red the most of `factor_range`, then
-        yellow, green and blue, black the least. Default: shaded, or plain for a mesh that no
-        terrain made.
+        ``"lod"``: a colour a patch, by the cells that its segments span: red one, then yellow,
+        green and blue, black 64 or more; with `factor_range` by its inside factors, red the most.
+        Default: shaded, or plain for a mesh that no terrain made.
     sun : (float, float), optional
         Where the light comes from: degrees clockwise from north, degrees above the horizon.
         Default: 315, 40, as maps are lit; 200, 40, over the shoulder, for a mesh that no terrain
@@ -63,7 +63,7 @@ def render(
         World heights of the lowest and the highest tint. Default: those of the ground, or of the
         mesh. Give the ground's to compare pictures of several meshes.
     factor_range : (float, float), optional
-        Factors shown as black and as red. Default: 1 and the cells of a tile.
+        Factors shown as black and as red, in style "lod".
     device : Device, optional
         For ground; a terrain has its own.
 

@@ -60,6 +60,13 @@ class Patches:
         return len(self.edge_factors)
 
     @property
+    def segment_cells(self) -> npt.NDArray[np.float64]:
+        """Cells that a segment of a patch's inside spans: its size and its factors in one; (P,)."""
+        cells = self.areas[:, :1:-1] / np.maximum(self.inside_factors, 1.0)
+        lengths: npt.NDArray[np.float64] = np.sqrt(cells.prod(axis=1))
+        return lengths
+
+    @property
     def drawn(self) -> npt.NDArray[np.bool_]:
         """True where a patch emitted triangles; (P,)."""
         return np.diff(self.triangle_offsets) > 0

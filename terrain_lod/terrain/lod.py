@@ -29,10 +29,13 @@ class Scene:
         Of the ground's bounding box.
     rough_deviation : float
         Deviation that 98 % of the tiles stay below.
+    tile : int
+        Cells along a tile.
     """
 
     diagonal: float
     rough_deviation: float
+    tile: int
 
     def __post_init__(self) -> None:
         for name in ("diagonal", "rough_deviation"):

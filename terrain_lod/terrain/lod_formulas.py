@@ -23,12 +23,12 @@ _FAR: Final = Number(
 )
 _MINIMUM: Final = Number(1.0, low=1.0, high=MAX_TILE, unit="segments", help="least factor")
 _MAXIMUM: Final = Number(
-    15.0,
+    None,
     low=1.0,
     high=MAX_TILE,
     start=TILE,
     unit="segments",
-    help="most factor",
+    help="most factor; by default the cells of a tile",
 )
 
 
@@ -63,7 +63,7 @@ class DistanceLod(Lod):
         Distances in world units with the highest and the lowest detail; `far` defaults to the
         diagonal of the ground.
     minimum, maximum : float, optional
-        Factors at `far` and `near`, 1 to 63.
+        Factors at `far` and `near`, 1 to 63; `maximum` defaults to the cells of a tile.
     falloff : float, optional
         Exponent of the nearness: 1 is linear, more keeps detail closer to the camera.
 
@@ -76,7 +76,7 @@ class DistanceLod(Lod):
     near: float = number(_NEAR)
     far: float | None = number(_FAR)
     minimum: float = number(_MINIMUM)
-    maximum: float = number(_MAXIMUM)
+    maximum: float | None = number(_MAXIMUM)
     falloff: float = number(
         1.0,
         shown=(0.25, 8.0),
@@ -87,7 +87,7 @@ class DistanceLod(Lod):
     swept: ClassVar[str] = "maximum"
 
     def parameters(self, scene: Scene) -> dict[str, float]:
-        return {**self.numbers(), "far": _far(self, scene)}
+        return {**self.numbers(), "far": _far(self, scene), "maximum": _most(self, scene)}
 
 
 @dataclass(frozen=True)
@@ -113,7 +113,7 @@ class CoplanarityLod(Lod):
     near: float = number(_NEAR)
     far: float | None = number(_FAR)
     minimum: float = number(_MINIMUM)
-    maximum: float = number(_MAXIMUM)
+    maximum: float | None = number(_MAXIMUM)
     full_deviation: float | None = number(
         None,
         unit="m",
@@ -127,11 +127,15 @@ class CoplanarityLod(Lod):
     swept: ClassVar[str] = "maximum"
 
     def parameters(self, scene: Scene) -> dict[str, float]:
-        far = _far(self, scene)
         rough = scene.rough_deviation if self.full_deviation is None else self.full_deviation
         # on perfectly flat ground any positive number means flat
         full = rough if rough > 0 else 1.0
-        return {**self.numbers(), "far": far, "full_deviation": full}
+        return {
+            **self.numbers(),
+            "far": _far(self, scene),
+            "maximum": _most(self, scene),
+            "full_deviation": full,
+        }
 
 
 @dataclass(frozen=True)
@@ -144,17 +148,25 @@ class ScreenAreaLod(Lod):
         A tile gets a segment along its edges for every so many pixels along the side of a square
         with the area of its projected box.
     minimum, maximum : float, optional
-        Factors that limit it, 1 to 63.
+        Factors that limit it, 1 to 63; `maximum` defaults to the cells of a tile.
     """
 
     pixels: float = number(
         8.0, unit="pixels", shown=(1.0, 64.0), logarithmic=True, help="pixels along a segment"
     )
     minimum: float = number(_MINIMUM)
-    maximum: float = number(_MAXIMUM)
+    maximum: float | None = number(_MAXIMUM)
     header: ClassVar[str | Path] = "terrain/lod/area.h"
+
+    def parameters(self, scene: Scene) -> dict[str, float]:
+        return {**self.numbers(), "maximum": _most(self, scene)}
 
 
 def _far(lod: DistanceLod | CoplanarityLod, scene: Scene) -> float:
     diagonal = instance("a Scene", scene, Scene).diagonal
     return lod.near + diagonal if lod.far is None else lod.far
+
+
+def _most(lod: DistanceLod | CoplanarityLod | ScreenAreaLod, scene: Scene) -> float:
+    # a tile of a few cells may have less than the least that is asked for
+    return max(lod.minimum, scene.tile) if lod.maximum is None else lod.maximum

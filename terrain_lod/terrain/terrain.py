@@ -11,13 +11,11 @@ Data stays on the device between the stages and comes down once, as a Mesh.
 from __future__ import annotations
 
 import threading
-from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
-from ..arguments import file_path, flag, instance, one_of, whole
+from ..arguments import flag, instance, one_of, whole
 from ..camera.camera import Camera
 from ..device import layout
 from ..device.device import Device
@@ -30,14 +28,13 @@ from ..mesh.mesh import Mesh
 from .analysis import TileAnalysis
 from .buffers import DeviceGround
 from .hull import hull_on_device
-from .ladder import empty_ladder
-from .ladder_file import fingerprint, read_ladder, write_ladder
 from .lod import AnyLod, PromiseLod, Scene, Weighted, checked_lod, unweighted
 from .lod_formulas import UniformLod
 from .lod_promises import ScreenErrorLod
 from .meshing import Tessellated, mesh_of
 from .promise import Promise
 from .queries import heights_on_device, rays_on_device
+from .steady import Steady
 from .tiles import DeviceTiles
 from .turns import Turns
 from .weights import weights_on_device
@@ -54,10 +51,10 @@ class Terrain:
         :meth:`Heightmap.with_detail`, which this is the same as, to the bit, in a fraction of the
         memory. Tiles are then cells of the detail, and errors promised are those of the sum.
     tile : int, optional
-        Cells along a tile, 1 to 63. At 15 the tessellator's factor 15 reproduces the raster.
+        Cells along a tile, 1 to 63. Default: 4, or 15 in a flat grid.
     levels : int, optional
-        Sizes of patches that promises in the partitioning ``"integer"`` are kept with: of 1, 2 x 2,
-        4 x 4, ... tiles. Up to the whole raster where not given; 1 is the flat grid of tiles.
+        Sizes of patches that promises are kept with: of 1, 2 x 2, 4 x 4, ... tiles. Default: up to
+        the whole raster. 1 is the flat grid of the book, which formulas are at their best on.
     plane : {"least_squares", "corners"}, optional
         Which plane deviations are measured from.
     device : Device, optional
@@ -72,7 +69,7 @@ class Terrain:
     Raises
     ------
     InputError
-        If `tile` or `plane` is not one of these, or the detail does not fit the ground.
+        If `tile`, `levels` or `plane` is not one of these, or the detail does not fit the ground.
     DeviceMemoryError
         If the device cannot hold the raster.
 
@@ -87,12 +84,14 @@ class Terrain:
         ground: Heightmap,
         *,
         detail: Heightmap | None = None,
-        tile: int = layout.DEFAULT_TILE,
+        tile: int | None = None,
         levels: int | None = None,
         plane: str = "least_squares",
         device: Device | None = None,
     ) -> None:
         self.levels = None if levels is None else whole("levels", levels, 1, layout.MAX_LEVELS)
+        if tile is None:
+            tile = layout.FLAT_TILE if self.levels == 1 else layout.DEFAULT_TILE
         relief, device = Relief(ground, detail), Device.of(device)
         self._tiles = DeviceTiles.of(DeviceGround.upload(relief, tile, device), plane=plane)
         self._turns, self._measuring = Turns(), threading.Lock()
@@ -129,51 +128,6 @@ class Terrain:
             ground, rows, columns = self.ground.with_elevations(rows, columns, heights)
             self._tiles, count = self._tiles.updated(ground, rows, columns)
         return count
-
-    def save_ladder(self, path: str | Path) -> Path:
-        """Write the error ladder, which promises are kept with, to a file beside the raster.
-
-        Parameters
-        ----------
-        path : str or pathlib.Path
-            By custom ends in .npz; an existing file is replaced.
-
-        Returns
-        -------
-        pathlib.Path
-            The file.
-
-        Raises
-        ------
-        FileError
-            If the file cannot be written.
-        """
-        path = file_path("path", path)
-        with self._turns.reading():
-            tiles = self._with_ladder()
-            assert tiles.ladder is not None
-            arrays = {name: array.host() for name, array in tiles.ladder.measured().items()}
-        write_ladder(path, fingerprint(tiles.ground.relief, tiles.grid.tile), arrays)
-        return path
-
-    def load_ladder(self, path: str | Path) -> None:
-        """Take the error ladder from a file of :meth:`save_ladder`, instead of measuring it.
-
-        Raises
-        ------
-        FileError
-            If the file cannot be read, or is the ladder of other ground or of other tiles.
-        """
-        path = file_path("path", path)
-        with self._turns.changing():
-            tiles = self._tiles
-            ladder = empty_ladder(self.device, tiles.grid)
-            shapes = {name: array.shape for name, array in ladder.measured().items()}
-            key = fingerprint(tiles.ground.relief, tiles.grid.tile)
-            arrays = read_ladder(path, key, shapes)
-            for name, array in ladder.measured().items():
-                array.write(arrays[name])
-            self._tiles = replace(tiles, ladder=ladder)
 
     @property
     def device(self) -> Device:
@@ -216,8 +170,9 @@ class Terrain:
         *,
         lod: AnyLod | None = None,
         edge_rule: str | None = None,
-        partitioning: str = "fractional_odd",
+        partitioning: str | None = None,
         cull: bool = True,
+        steady: Steady | None = None,
     ) -> Mesh:
         """Tessellate the terrain as a camera deserves it.
 
@@ -228,17 +183,18 @@ class Terrain:
         lod : Lod, PromiseLod or Weighted, optional
             A formula for the segments that a patch deserves, or an error to keep, or either with
             weights on it. Defaults to ``ScreenErrorLod(1.0)`` for a camera; without one to the
-            raster in full, ``UniformLod`` of the tile's cells: at an odd `tile` every sample is a
-            vertex.
-        edge_rule : {"min", "max", "edge"}, optional
-            Factor of a shared edge: the lower of the two tiles' (the default with a formula, and
-            the book's), the higher, or by the edge's own error (the default with a promise, and
-            for promises alone).
-        partitioning : {"fractional_odd", "fractional_even", "integer", "pow2"}, optional
-            How factors divide a patch. With ``"integer"`` a promise is kept by patches of every
-            size, from a tile to the whole raster, at every whole factor: the fewest triangles.
+            raster in full, ``UniformLod`` of the tile's cells: every sample is a vertex.
+        edge_rule : {"min", "max"}, optional
+            With a formula, the factor of an edge that two tiles share: the lower of theirs (the
+            default, and the book's) or the higher. A promise goes by the edge's own error.
+        partitioning : {"integer", "fractional_odd", "fractional_even", "pow2"}, optional
+            How factors divide a patch. Default: ``"integer"`` with a promise, which is then kept by
+            patches of every size; with a formula ``"fractional_odd"``, which moves smoothly, and
+            ``"integer"`` in tiles of an even number of cells, where it would miss the samples.
         cull : bool, optional
             Leave out the patches whose bounds are out of view.
+        steady : Steady, optional
+            What lets the patches of a promise stay as they were in its last mesh.
 
         Returns
         -------
@@ -258,13 +214,26 @@ class Terrain:
         lod = checked_lod(lod)
         if camera is not None:
             instance("a Camera for camera", camera, Camera)
+        bare = unweighted(lod)
+        promised = bare if isinstance(bare, PromiseLod) else None
+        if partitioning is None:
+            even = self.grid.tile % 2 == 0
+            partitioning = "integer" if promised or even else "fractional_odd"
         one_of("partitioning", partitioning, layout.PARTITIONINGS)
+        if promised and edge_rule is not None:
+            raise InputError(
+                f"expected a formula with the edge rule {edge_rule!r}, got {promised}: promises go "
+                "by the edge's own error"
+            )
+        if steady and not (promised and promised.triangles is None and partitioning == "integer"):
+            raise InputError(
+                f"expected an error to keep by patches of every size with {steady}, got "
+                f"{bare} in {partitioning}"
+            )
         if camera is None and lod.needs_camera:
             raise InputError(f"{type(lod).__name__} needs a camera, got none")
         cull = flag("cull", cull) and camera is not None
         weighted, lod = lod, unweighted(lod)
-        if edge_rule is None:
-            edge_rule = "edge" if isinstance(lod, PromiseLod) else "min"
         with self._turns.reading(), self.device.timed() as timeline:
             tiles = self._tiles
             if isinstance(lod, PromiseLod):
@@ -275,15 +244,20 @@ class Terrain:
                     tiles, camera, horizon=weighted.horizon, silhouette=weighted.silhouette
                 )
             if isinstance(lod, PromiseLod):
-                promise = Promise(tiles, camera, partitioning, edge_rule, cull, weights)
+                promise = Promise(tiles, camera, partitioning, "edge", cull, weights, steady)
                 kept = promise.keep(lod)
-                made, nodes = kept.made, kept.nodes
+                made, drawn = kept.made, kept.drawn
             else:
                 factors = hull_on_device(
-                    tiles, lod, camera, edge_rule=edge_rule, cull=cull, weights=weights
+                    tiles,
+                    lod,
+                    camera,
+                    edge_rule="min" if edge_rule is None else edge_rule,
+                    cull=cull,
+                    weights=weights,
                 )
-                made, nodes = Tessellated.of(tiles.patch_set, factors, partitioning), None
-            return mesh_of(made, *tiles.described(nodes), timeline)
+                made, drawn = Tessellated.of(tiles.patch_set, factors, partitioning), None
+            return mesh_of(made, *tiles.described(drawn), timeline)
 
     def height_at(self, points: npt.ArrayLike) -> npt.NDArray[np.float64]:
         """Return the ground's elevations at points of the world.

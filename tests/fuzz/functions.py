@@ -212,7 +212,6 @@ class Bench:
         self.quad.save(folder / "quad.ply")
         self.nets = np.float32(np.stack(np.meshgrid(*[range(4)] * 2, [0]), -1).reshape(1, 4, 4, 3))
         curved.save_bpt(self.nets, folder / "net.bpt")
-        self.terrain.save_ladder(folder / "ladder.npz")
 
     def calls(self) -> tuple[Call, ...]:
         """Return everything public, and what it is made with."""
@@ -258,8 +257,6 @@ class Bench:
         yield Call("Terrain.mesh", self.terrain.mesh, {
             "camera": camera, "lod": tl.ScreenErrorLod(2.0), "edge_rule": "edge",
             "partitioning": "fractional_odd", "cull": True})  # fmt: skip
-        yield Call("Terrain.save_ladder", self.terrain.save_ladder, {"path": folder / "other.npz"})
-        yield Call("Terrain.load_ladder", self.terrain.load_ladder, {"path": folder / "ladder.npz"})
         points, rays = np.float32([[1, -2], [3, -4]]), np.float32([[1, -2, 50], [3, -4, 50]])
         for name, asked in (
             ("Terrain", self.terrain),

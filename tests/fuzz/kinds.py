@@ -10,7 +10,6 @@ from fuzz import (
     endurance,
     functions,
     grounds,
-    ladders,
     meshes,
     patches,
     rasters,
@@ -23,7 +22,6 @@ KINDS: Final[dict[str, Kind]] = {
     "meshes read in a child": Kind(meshes.trial_in_child, share=1),
     "patches": Kind(patches.trial, share=5),
     "cameras": Kind(cameras.trial, share=5),
-    "ladders": Kind(ladders.trial, share=5),
     # the first of a kind compiles kernels
     "odd ground": Kind(grounds.trial, share=10, seconds=120),
     "killed writers": Kind(endurance.trial_kills, share=1),

@@ -180,7 +180,7 @@ def test_no_ray_falls_between_triangles_or_cells() -> None:
 def test_a_plane_is_hit_where_it_is() -> None:
     #   z = 0.5 per cell east; a ray from (10, -20, 100) straight down meets 5
     ground = plane(0.5, 0.0)
-    terrain = tl.Terrain(ground)
+    terrain = tl.Terrain(ground, tile=15)
     surface = MeshQueries(terrain.mesh(lod=tl.UniformLod(1)))
     for hits in (
         terrain.cast([10, -20, 100], [0, 0, -9]),

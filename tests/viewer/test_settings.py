@@ -78,7 +78,7 @@ def test_the_tile_slider_has_stops():
 
 def test_factors_that_were_all_of_a_tile_stay_so():
     larger = SETTINGS.changed("tile", 31)
-    assert values(SETTINGS, "tile", "factor", "maximum") == [7, 7, 7]
+    assert values(SETTINGS, "tile", "factor", "maximum") == [4, 4, 4]
     assert values(larger, "tile", "factor", "maximum") == [31, 31, 31]
     chosen = larger.changed("factor", 5.0).changed("minimum", 20.0).changed("tile", 15)
     assert values(chosen, "factor", "minimum", "maximum") == [5, 15, 15]
@@ -119,7 +119,7 @@ def test_weights_weigh_and_none_do_not():
 
 
 def test_edge_rule_and_tessellation_follow_the_level_of_detail():
-    assert SETTINGS.usable_edge_rule == "edge"
+    assert SETTINGS.usable_edge_rule is None
     assert SETTINGS.changed("lod", "distance").usable_edge_rule == "min"
     assert SETTINGS.changed("lod", "distance").changed("edge_rule", "max").usable_edge_rule == "max"
     flat = SETTINGS.changed("tessellated", False)
