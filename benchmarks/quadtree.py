@@ -99,7 +99,8 @@ def large(samples: int, pixels: float, tile: int, rounds: int) -> None:
     """Print what a view costs when it is first asked for, and the least of when it is again."""
     ground = fractal(samples)
     width, depth = ground.extent
-    middle = np.array(ground.origin[:2]) + (width / 2, -depth / 2)
+    west, north, *_ = ground.origin
+    middle = np.array([west + width / 2, north - depth / 2])
     terrain = tl.Terrain(ground, tile=tile)
     top = float(terrain.height_at(middle[None])[0])
     for up in (100.0, 100_000.0):
