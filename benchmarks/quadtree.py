@@ -103,9 +103,10 @@ def large(samples: int, pixels: float, tile: int, rounds: int) -> None:
     middle = np.array([west + width / 2, north - depth / 2])
     terrain = tl.Terrain(ground, tile=tile)
     top = float(terrain.height_at(middle[None])[0])
-    for up in (100.0, 100_000.0):
+    # low along the ground, and straight down from afar
+    for up, along in ((100.0, 1000.0), (100_000.0, 1.0)):
         eye = (*middle, top + up)
-        ahead = (eye[0] + 1000.0, eye[1], eye[2] - (1000.0 if up > 1000 else 100.0))
+        ahead = (eye[0] + along, eye[1], top)
         camera = tl.Camera(eye, ahead, fov=55, size=(1920, 1080))
         work = partial(terrain.mesh, camera, lod=tl.ScreenErrorLod(pixels), partitioning="integer")
         first, mesh = cost_of(work)
