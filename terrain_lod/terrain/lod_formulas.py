@@ -91,7 +91,40 @@ class DistanceLod(Lod):
 
 @dataclass(frozen=True)
 class CoplanarityLod(Lod):
-    """Distance scaled by deviation: detail where the ground leaves its plane.
+    """Detail where the ground is seen to leave its plane.
+
+    A tile gets segments with the cube root of its deviation in the picture, so that the sum of
+    squared errors is about the least for a number of triangles; docs/coplanarity.md derives it.
+
+    Parameters
+    ----------
+    pixels : float, optional
+        Deviation in the picture at which a tile gets `maximum` segments; one of an eighth of it
+        gets half as many.
+    minimum, maximum : float, optional
+        Factors that limit it, 1 to 63.
+
+    Notes
+    -----
+    The deviation is that of Zink, Pettineo, Hoxley: *Practical Rendering and Computation with
+    Direct3D 11*, section 9.1.2; :class:`BookCoplanarityLod` weighs it as they do.
+    """
+
+    pixels: float = number(
+        16.0,
+        unit="pixels",
+        shown=(0.5, 128.0),
+        logarithmic=True,
+        help="deviation from its plane in the picture at which a tile gets all detail",
+    )
+    minimum: float = number(_MINIMUM)
+    maximum: float = number(_MAXIMUM)
+    header: ClassVar[str | Path] = "terrain/lod/coplanarity.h"
+
+
+@dataclass(frozen=True)
+class BookCoplanarityLod(Lod):
+    """Distance scaled by deviation, as the book weighs it.
 
     Parameters
     ----------
@@ -122,7 +155,7 @@ class CoplanarityLod(Lod):
     flat_weight: float = number(
         0.3, low=0.0, high=1.0, help="share of its distance's detail that a flat tile keeps"
     )
-    header: ClassVar[str | Path] = "terrain/lod/coplanarity.h"
+    header: ClassVar[str | Path] = "terrain/lod/book_coplanarity.h"
     swept: ClassVar[str] = "maximum"
 
     def parameters(self, scene: Scene) -> dict[str, float]:
@@ -153,5 +186,5 @@ class ScreenAreaLod(Lod):
     header: ClassVar[str | Path] = "terrain/lod/area.h"
 
 
-def _far(lod: DistanceLod | CoplanarityLod, scene: Scene) -> float:
+def _far(lod: DistanceLod | BookCoplanarityLod, scene: Scene) -> float:
     return lod.near + scene.diagonal if lod.far is None else lod.far
