@@ -44,6 +44,7 @@ CHECKS: Final[dict[str, Check]] = {
     "curved/displaced_normals": curved_displaced.NORMALS,
     "curved/decals": curved_displaced.DECALS,
     "curved/decal_reach": curved_displaced.REACH,
+    "curved/decal_reach, views": curved_displaced.VIEWS,
     "mesh/queries": mesh.QUERIES,
     "measure/vertical_error": measure.VERTICAL_ERROR,
 }
