@@ -10,7 +10,9 @@ stand at the top; this is what they are given, and what needs no mesh to begin w
 """
 
 from ..files.meshes.bpt import load_bpt, save_bpt
-from .bezier import bezier
+from .bezier import b_spline, bezier
+from .catmull_clark import catmull_clark
+from .control_mesh import ControlMesh
 from .creases import split_at_creases
 from .curved_mesh import CurvedMesh
 from .curves import ParametricCurve, Polyline, curve
@@ -28,6 +30,7 @@ from .patch_factors import (
 from .surfaces import ParametricSurface, surface
 
 __all__ = [
+    "ControlMesh",
     "CurvatureFactor",
     "CurvedMesh",
     "Decal",
@@ -40,7 +43,9 @@ __all__ = [
     "Polyline",
     "SilhouetteFactor",
     "UniformFactor",
+    "b_spline",
     "bezier",
+    "catmull_clark",
     "curve",
     "dent",
     "load_bpt",

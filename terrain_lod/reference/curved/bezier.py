@@ -5,6 +5,8 @@ Farin: *Curves and Surfaces for CAGD*, sections 4.2 and 14.1.
 
 from __future__ import annotations
 
+from math import comb
+
 import numpy as np
 import numpy.typing as npt
 
@@ -30,6 +32,15 @@ def surface(nets: Array, u: Array, v: Array) -> tuple[Array, Array]:
     at, along_u = curve(rows, u)
     _, along_v = curve(columns, v)
     return at, np.cross(along_u, along_v)
+
+
+def field(vectors: Array, u: Array, v: Array) -> Array:
+    """Return the vectors of fields (N, I, J, 3) of degrees I - 1 and J - 1 at u and v; (N, 3)."""
+    along_u, along_v = (
+        np.stack([comb(d, k) * t**k * (1 - t) ** (d - k) for k in range(d + 1)], axis=1)
+        for t, d in ((u, vectors.shape[1] - 1), (v, vectors.shape[2] - 1))
+    )
+    return np.asarray(np.einsum("ni,nj,nijk->nk", along_u, along_v, vectors))
 
 
 def bezier(nets: Array, u: Array, v: Array) -> tuple[Array, Array]:

@@ -1,10 +1,11 @@
-"""Quad patches that are all divided alike, and the meshes on them."""
+"""Quad patches through the tessellator, and the meshes on them."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
 import numpy as np
+import numpy.typing as npt
 
 from ..arguments import one_of, positive
 from ..device.device import Device
@@ -21,9 +22,7 @@ Evaluate = Callable[[DevicePattern, DeviceVertices, int, int], None]
 def uniform_mesh(
     patches: int, factor: float, partitioning: str, device: Device, evaluate: Evaluate
 ) -> Mesh:
-    """Return the mesh of `patches` quads with one `factor`, its vertices filled by `evaluate`.
-
-    Triangles are counter-clockwise seen from the side that dP/du x dP/dv points to.
+    """Return the mesh of `patches` quads with one `factor`; see :func:`quad_mesh`.
 
     Raises
     ------
@@ -33,11 +32,32 @@ def uniform_mesh(
         If the mesh does not fit the device.
     """
     factor = positive("factor", factor)
+    edges, insides = (np.full((patches, width), factor, np.float32) for width in (4, 2))
+    return quad_mesh(edges, insides, partitioning, device, evaluate)
+
+
+def quad_mesh(
+    edges: npt.NDArray[np.float32],
+    insides: npt.NDArray[np.float32],
+    partitioning: str,
+    device: Device,
+    evaluate: Evaluate,
+) -> Mesh:
+    """Return the mesh of P quads with (P, 4) and (P, 2) factors, vertices filled by `evaluate`.
+
+    Triangles are counter-clockwise seen from the side that dP/du x dP/dv points to.
+
+    Raises
+    ------
+    InputError
+        If `partitioning` is unknown, or there are too many indices.
+    DeviceMemoryError
+        If the mesh does not fit the device.
+    """
     one_of("partitioning", partitioning, PARTITIONINGS)
-    if patches == 0:
+    if not len(edges):
         nothing = np.empty((0, 3), np.float32)
         return Mesh(nothing, nothing, np.empty((0, 3), np.int32))
-    edges, insides = (np.full((patches, width), factor, np.float32) for width in (4, 2))
     with device.timed() as timeline:
         # clockwise with v down is counter-clockwise with v up
         pattern = tessellate_device(
@@ -49,7 +69,7 @@ def uniform_mesh(
             device.empty((count, 3), np.float32), device.empty((count, 3), np.float32)
         )
         group = device.group_size(64)
-        groups = device.runs(patches)
+        groups = device.runs(len(edges))
         evaluate(pattern, vertices, groups * group, group)
         return Mesh(
             vertices.positions.host(),
