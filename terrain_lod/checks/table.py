@@ -19,6 +19,7 @@ CHECKS: Final[dict[str, Check]] = {
     "tessellation/tessellator": patterns.TESSELLATOR,
     "tessellation/queues": patterns.QUEUES,
     "tessellation/semi_uniform": patterns.SEMI_UNIFORM,
+    "tessellation/semi_uniform, quads": patterns.SEMI_UNIFORM_QUADS,
     "terrain/analysis": terrain.ANALYSIS,
     "terrain/control_points": terrain.CONTROL_POINTS,
     "terrain/hull": terrain.HULL,

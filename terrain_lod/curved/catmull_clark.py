@@ -228,7 +228,9 @@ def catmull_clark(
         A formula for the segments of each edge instead.
     camera : Camera, optional
         Where detail is wanted.
-    partitioning : {"integer", "pow2", "fractional_odd", "fractional_even"}, optional
+    partitioning : str, optional
+        ``"integer"``, ``"pow2"``, ``"fractional_odd"``, ``"fractional_even"``, or
+        ``"semi_uniform"``: dyadic patterns, for factors rounded up to powers of two.
     device : Device, optional
 
     Returns

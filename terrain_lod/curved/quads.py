@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +14,10 @@ from ..device.layout import PARTITIONINGS
 from ..mesh.mesh import Mesh
 from ..mesh.vertices import DeviceVertices
 from ..tessellation.pattern import DevicePattern
+from ..tessellation.semi_uniform import LARGEST_LEVEL, semi_uniform_device
 from ..tessellation.tessellator import tessellate_device
+
+SEMI_UNIFORM: Final = "semi_uniform"
 
 Evaluate = Callable[[DevicePattern, DeviceVertices, int, int], None]
 """Takes points, the vertices to fill, the work-items in all and those of a group."""
@@ -54,15 +58,21 @@ def quad_mesh(
     DeviceMemoryError
         If the mesh does not fit the device.
     """
-    one_of("partitioning", partitioning, PARTITIONINGS)
+    one_of("partitioning", partitioning, (*PARTITIONINGS, SEMI_UNIFORM))
     if not len(edges):
         nothing = np.empty((0, 3), np.float32)
         return Mesh(nothing, nothing, np.empty((0, 3), np.int32))
     with device.timed() as timeline:
         # clockwise with v down is counter-clockwise with v up
-        pattern = tessellate_device(
-            "quad", device.array(edges), device.array(insides), partitioning, clockwise=True
-        )
+        if partitioning == SEMI_UNIFORM:
+            levels = np.log2(np.clip(edges, 1, 2**LARGEST_LEVEL)).astype(np.float32)
+            pattern = semi_uniform_device(
+                device.array(levels), maximum=LARGEST_LEVEL, keep_degenerate=False, clockwise=True
+            )
+        else:
+            pattern = tessellate_device(
+                "quad", device.array(edges), device.array(insides), partitioning, clockwise=True
+            )
         count = pattern.points.shape[0]
         device.require(f"{count} vertices", 12 * count, 12 * count)
         vertices = DeviceVertices(
