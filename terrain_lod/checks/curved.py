@@ -9,6 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from ..curved.bezier import bezier, bezier_mesh
+from ..curved.bezier_curves import bezier_curve
 from ..curved.catmull_clark import catmull_clark_patches
 from ..curved.control_mesh import ControlMesh
 from ..curved.curves import CURVES, curve
@@ -48,6 +49,22 @@ def _bezier(nets: Array, device: Device) -> Iterator[Difference]:
     positions, normals = bezier_reference.bezier(nets[patch].astype(np.float64), u, v)
     yield _PLACES.met_by(found.vertices, positions, 2e-6 * highest_of(positions))
     yield _NORMALS.met_by(found.normals, normals, 1e-4)
+
+
+def _bezier_curve(degree: int, device: Device) -> Iterator[Difference]:
+    points = np.random.default_rng(degree).normal(size=(5, degree + 1, 3)).astype(np.float32)
+    found = bezier_curve(points, factor=8, partitioning="integer", device=device)
+    pieces, t = np.repeat(np.arange(5), 9), np.tile(np.arange(9) / 8, 5)
+    at, along = bezier_reference.curve_of_any_degree(points[pieces].astype(np.float64), t)
+    yield _PLACES.met_by(found.points, at, 4e-6 * highest_of(at))
+    yield _NORMALS.met_by(found.tangents, along, 1e-4)
+
+
+BEZIER_CURVE: Final = Check(
+    _bezier_curve,
+    lambda: {"degree 3": 3},
+    lambda: {f"degree {degree}": degree for degree in (1, 2, 7, 32)},
+)
 
 
 def _with_tangents(mesh: ControlMesh, device: Device) -> Iterator[Difference]:

@@ -34,6 +34,7 @@ CHECKS: Final[dict[str, Check]] = {
     "terrain/joints": quadtree.JOINTS,
     "terrain/leaf_fit": quadtree.LEAF_FIT,
     "curved/bezier": curved.BEZIER,
+    "curved/bezier_curve": curved.BEZIER_CURVE,
     "curved/bezier, tangents": curved.TANGENTS,
     "curved/surface": curved.SURFACE,
     "curved/curve": curved.CURVE,

@@ -25,6 +25,18 @@ def curve(points: Array, t: Array) -> tuple[Array, Array]:
     return points[:, 0] * (1 - t[:, 0]) + points[:, 1] * t[:, 0], slope
 
 
+def curve_of_any_degree(points: Array, t: Array) -> tuple[Array, Array]:
+    """Return points and unit tangents at `t` (N,) of curves (N, degree + 1, 3), by Bernstein."""
+    degree = points.shape[1] - 1
+    bases = [
+        np.stack([comb(d, k) * t**k * (1 - t) ** (d - k) for k in range(d + 1)], axis=1)
+        for d in (degree, degree - 1)
+    ]
+    at = np.einsum("nk,nkx->nx", bases[0], points)
+    along = np.einsum("nk,nkx->nx", bases[1], np.diff(points, axis=1))
+    return at, along / np.linalg.norm(along, axis=1, keepdims=True)
+
+
 def surface(nets: Array, u: Array, v: Array) -> tuple[Array, Array]:
     """Return positions and dP/du × dP/dv (N, 3) of points of patches (N, 4, 4, 3)."""
     rows = np.stack([curve(nets[:, i], v)[0] for i in range(4)], axis=1)
