@@ -35,6 +35,8 @@ def draw_patterns(folder: Path) -> None:
     save_pattern(pattern, folder / "triangle.svg", edge_factors=edges, inside_factors=inside)
     levels = [[3, 1, 2]]
     save_pattern(semi_uniform(levels), folder / "semi_uniform.svg", edge_factors=levels)
+    levels = [[3, 1, 0, 2]]
+    save_pattern(semi_uniform(levels), folder / "semi_uniform_quad.svg", edge_factors=levels)
 
 
 def draw_sweeps(folder: Path, frames: int) -> None:

@@ -54,7 +54,13 @@ from .reports.compare.outcome import SweepReport
 from .reports.report import Report, report
 from .terrain.analysis import TileAnalysis, analyse
 from .terrain.lod import Lod, PromiseLod, Scene, Weighted
-from .terrain.lod_formulas import CoplanarityLod, DistanceLod, ScreenAreaLod, UniformLod
+from .terrain.lod_formulas import (
+    BookCoplanarityLod,
+    CoplanarityLod,
+    DistanceLod,
+    ScreenAreaLod,
+    UniformLod,
+)
 from .terrain.lod_promises import BudgetLod, MaxErrorLod, ScreenErrorLod
 from .terrain.steady import Steady
 from .terrain.terrain import Terrain
@@ -65,6 +71,7 @@ from .viewer.view import view
 
 __all__ = [
     "Achieved",
+    "BookCoplanarityLod",
     "BudgetLod",
     "Camera",
     "CoplanarityLod",

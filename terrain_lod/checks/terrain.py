@@ -20,7 +20,13 @@ from ..terrain.domain import displace_on_device
 from ..terrain.holes import without_holes_on_device
 from ..terrain.hull import EDGE_RULES, hull_on_device
 from ..terrain.lod import Lod
-from ..terrain.lod_formulas import CoplanarityLod, DistanceLod, ScreenAreaLod, UniformLod
+from ..terrain.lod_formulas import (
+    BookCoplanarityLod,
+    CoplanarityLod,
+    DistanceLod,
+    ScreenAreaLod,
+    UniformLod,
+)
 from ..terrain.lod_promises import MaxErrorLod
 from ..terrain.queries import heights_on_device, rays_on_device
 from ..terrain.terrain import Terrain
@@ -44,7 +50,9 @@ _LODS: Final[tuple[Lod, ...]] = (
     DistanceLod(falloff=2.5),
     DistanceLod(near=100, far=3000, maximum=63),
     CoplanarityLod(),
-    CoplanarityLod(full_deviation=30.0, flat_weight=0.0, minimum=2.0),
+    CoplanarityLod(pixels=100.0, minimum=2.0, maximum=40.0),
+    BookCoplanarityLod(),
+    BookCoplanarityLod(full_deviation=30.0, flat_weight=0.0, minimum=2.0),
     ScreenAreaLod(),
     ScreenAreaLod(pixels=25.0, minimum=1.5, maximum=40.0),
 )

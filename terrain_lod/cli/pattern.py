@@ -42,7 +42,7 @@ def pattern(
     domain
         quad: four edges and two factors inside. triangle: three and one. isoline: lines, segments.
     partitioning
-        How factors divide edges. semi_uniform: triangles by whole levels of powers of two.
+        How factors divide edges. semi_uniform: triangles or quads by whole levels of powers of two.
     edge_factors
         Of u = 0, v = 0, u = 1, v = 1, of u = 0, v = 0, w = 0, or lines and segments; one
         for all. Default: 5.
@@ -58,8 +58,8 @@ def pattern(
 
     ending = output.suffix.lower()
     semi_uniform = partitioning == _SEMI_UNIFORM
-    if semi_uniform and domain != "triangle":
-        raise InputError(f"expected --domain triangle with semi_uniform, got {domain}")
+    if semi_uniform and domain == "isoline":
+        raise InputError("expected --domain triangle or quad with semi_uniform, got isoline")
     require_folder(output)
     edge_count, inside_count, _ = DOMAINS[domain]
     if semi_uniform:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import numpy.typing as npt
 
@@ -11,10 +9,8 @@ from ..arguments import finite, flag, one_of
 from ..camera.camera import Camera
 from ..device import layout
 from ..device.device import Device, DeviceArray
-from ..device.timeline import Timeline
 from ..mesh.mesh import Mesh
 from ..mesh.open_edges import weld
-from ..tessellation.factors import DeviceFactors
 from ..tessellation.pattern import DevicePattern
 from ..tessellation.tessellator import tessellate_device
 from .adjacency import EDGE_ENDS, Adjacency
@@ -97,32 +93,17 @@ def displace(
             base.patches, base.nets, of_edges, view, cull=False, back_cosine=None
         )
 
-        def move(pattern: DevicePattern, positions: DeviceArray) -> None:
-            displace_on_device(
-                base, raster, coordinates, pattern, positions, scale=scale, bias=bias
-            )
-
-        return moved_mesh(base, factors, partitioning, move, timeline)
-
-
-def moved_mesh(
-    base: PatchedMesh,
-    factors: DeviceFactors,
-    partitioning: str,
-    move: Callable[[DevicePattern, DeviceArray], None],
-    timeline: Timeline,
-) -> Mesh:
-    """Tessellate patches, `move` the (N, 3) positions of the points, and take normals from them."""
-    pattern = tessellate_device(
-        "triangle", factors.edge, factors.inside, partitioning, clockwise=True
-    )
-    vertices = evaluate_on_device(base.nets, pattern)
-    move(pattern, vertices.positions)
-    kinds = corner_kinds(base.mesh.vertices, base.mesh.normals, base.adjacency)
-    renew_normals_on_device(
-        base.patches, kinds, factors, partitioning, pattern, vertices.positions, vertices.normals
-    )
-    return from_device(base.mesh, pattern, vertices, timeline)
+        pattern = tessellate_device(
+            "triangle", factors.edge, factors.inside, partitioning, clockwise=True
+        )
+        vertices = evaluate_on_device(base.nets, pattern)
+        positions, normals = vertices.positions, vertices.normals
+        displace_on_device(base, raster, coordinates, pattern, positions, scale=scale, bias=bias)
+        kinds = corner_kinds(base.mesh.vertices, base.mesh.normals, base.adjacency)
+        renew_normals_on_device(
+            base.patches, kinds, factors, partitioning, pattern, positions, normals
+        )
+        return from_device(base.mesh, pattern, vertices, timeline)
 
 
 def displace_on_device(

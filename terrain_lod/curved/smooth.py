@@ -122,7 +122,7 @@ def pn_triangles(
     require_curvable(mesh)
     one_of("normals", normals, NORMALS)
     one_of("partitioning", partitioning, (*layout.PARTITIONINGS, SEMI_UNIFORM))
-    back_cosine = _back_cosine(back_faces, camera)
+    back_cosine = back_cosine_of(back_faces, camera)
     view = view_for(mesh, factor, lod, camera)
     device = Device.of(device)
     with device.timed() as timeline:
@@ -231,7 +231,7 @@ def edge_factors(
     return patches.device.array(of_edge)
 
 
-def _back_cosine(back_faces: float | None, camera: Camera | None) -> float | None:
+def back_cosine_of(back_faces: float | None, camera: Camera | None) -> float | None:
     if back_faces is None:
         return None
     if camera is None:

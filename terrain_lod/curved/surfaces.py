@@ -19,7 +19,7 @@ from ..mesh.vertices import DeviceVertices
 from ..numbered import Number
 from ..tessellation.pattern import DevicePattern
 from .parametric import Parametric, named, shape_numbers
-from .uniform_quads import Evaluate, uniform_mesh
+from .quads import Evaluate, uniform_mesh
 
 # arguments of surface(), and what its kernel is built with
 _TAKEN: Final = ("patches", "factor", "partitioning", "device", "group", "surface", "twisted")

@@ -125,7 +125,7 @@ def _storage(comparison: Comparison) -> list[Row]:
     texture = rows * columns * _HEIGHT_BYTES
 
     def lookup(trial: Trial) -> int:
-        return grid.count * _LOOKUP_BYTES if trial.name == "coplanarity" else 0
+        return grid.count * _LOOKUP_BYTES if "coplanarity" in trial.name else 0
 
     def row(key: str, label: str, value: Callable[[Trial], Value]) -> Row:
         return _row(comparison, "storage", key, label, "bytes", value)

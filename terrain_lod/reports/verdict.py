@@ -52,7 +52,10 @@ def _at_equal_triangles(comparison: Comparison) -> str:
         )
     opening = f"With as many triangles ({theirs.triangles:,} and {ours.triangles:,}),"
     unit = comparison.terrain.ground.unit_symbols[1]
-    numbers = f"{ours.error.rms:.4g} {unit} RMS against {theirs.error.rms:.4g} {unit}"
+    numbers = (
+        f"{ours.error.rms:.4g} {unit} RMS against {theirs.error.rms:.4g} {unit}, at the most "
+        f"{ours.error.maximum:.4g} {unit} against {theirs.error.maximum:.4g} {unit}"
+    )
     if ours.error.rms == theirs.error.rms:
         return f"{opening} both are equally far from the ground: {numbers}."
     if ours.error.rms < theirs.error.rms:

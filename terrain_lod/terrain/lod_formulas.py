@@ -92,7 +92,43 @@ class DistanceLod(Lod):
 
 @dataclass(frozen=True)
 class CoplanarityLod(Lod):
-    """Distance scaled by deviation: detail where the ground leaves its plane.
+    """Detail where the ground is seen to leave its plane.
+
+    A tile gets segments with the cube root of its deviation in the picture, so that the sum of
+    squared errors is about the least for a number of triangles; docs/coplanarity.md derives it.
+
+    Parameters
+    ----------
+    pixels : float, optional
+        Deviation in the picture at which a tile gets `maximum` segments; one of an eighth of it
+        gets half as many.
+    minimum, maximum : float, optional
+        Factors that limit it, 1 to 63; `maximum` defaults to the cells of a tile.
+
+    Notes
+    -----
+    The deviation is that of Zink, Pettineo, Hoxley: *Practical Rendering and Computation with
+    Direct3D 11*, section 9.1.2; :class:`BookCoplanarityLod` weighs it as they do.
+    """
+
+    pixels: float = number(
+        16.0,
+        unit="pixels",
+        shown=(0.5, 128.0),
+        logarithmic=True,
+        help="deviation from its plane in the picture at which a tile gets all detail",
+    )
+    minimum: float = number(_MINIMUM)
+    maximum: float | None = number(_MAXIMUM)
+    header: ClassVar[str | Path] = "terrain/lod/coplanarity.h"
+
+    def parameters(self, scene: Scene) -> dict[str, float]:
+        return {**self.numbers(), "maximum": _most(self, scene)}
+
+
+@dataclass(frozen=True)
+class BookCoplanarityLod(Lod):
+    """Distance scaled by deviation, as the book weighs it.
 
     Parameters
     ----------
@@ -123,7 +159,7 @@ class CoplanarityLod(Lod):
     flat_weight: float = number(
         0.3, low=0.0, high=1.0, help="share of its distance's detail that a flat tile keeps"
     )
-    header: ClassVar[str | Path] = "terrain/lod/coplanarity.h"
+    header: ClassVar[str | Path] = "terrain/lod/book_coplanarity.h"
     swept: ClassVar[str] = "maximum"
 
     def parameters(self, scene: Scene) -> dict[str, float]:
@@ -162,11 +198,14 @@ class ScreenAreaLod(Lod):
         return {**self.numbers(), "maximum": _most(self, scene)}
 
 
-def _far(lod: DistanceLod | CoplanarityLod, scene: Scene) -> float:
+_Capped = DistanceLod | CoplanarityLod | BookCoplanarityLod | ScreenAreaLod
+
+
+def _far(lod: DistanceLod | BookCoplanarityLod, scene: Scene) -> float:
     diagonal = instance("a Scene", scene, Scene).diagonal
     return lod.near + diagonal if lod.far is None else lod.far
 
 
-def _most(lod: DistanceLod | CoplanarityLod | ScreenAreaLod, scene: Scene) -> float:
+def _most(lod: _Capped, scene: Scene) -> float:
     # a tile of a few cells may have less than the least that is asked for
     return max(lod.minimum, scene.tile) if lod.maximum is None else lod.maximum

@@ -126,9 +126,9 @@ def test_lods_and_their_options_reach_the_mesh(ground, capsys):
     near = triangles("--lod", "distance", "--near", "1e6", "--far", "2e6")
     assert triangles("--lod", "distance", "--near", "1e6", "--far", "2e6", "--maximum", "5") < near
     assert triangles("--lod", "distance", "--far", "1") < near
-    flat = ("--lod", "coplanarity", "--flat-weight", "1", "--near", "1e6", "--far", "2e6")
+    flat = ("--lod", "book-coplanarity", "--flat-weight", "1", "--near", "1e6", "--far", "2e6")
     assert triangles(*flat) == near
-    coplanarity = ("--lod", "coplanarity", "--edge-rule")
+    coplanarity = ("--lod", "coplanarity", "--pixels", "300", "--edge-rule")
     assert triangles(*coplanarity, "max") > triangles(*coplanarity, "min")
     assert triangles("--pixels", "9") < triangles("--lod", "screen-error")
     assert triangles("--lod", "max-error", "--metres", "9") < triangles(

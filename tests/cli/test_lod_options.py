@@ -139,9 +139,9 @@ def test_own_class_in_the_comparison(monkeypatch) -> None:
     [
         ["--lod", "in/mine.py:SlopeLod", "--segments", "3"],
         ["--lod", "area", "--pixels", "4", "--partitioning", "pow2", "--horizon", "2"],
-        ["--lod", "coplanarity", "--full-deviation", "3"],  # which has no slider
+        ["--lod", "book-coplanarity", "--full-deviation", "3"],  # which has no slider
     ],
-    ids=["own", "area", "coplanarity"],
+    ids=["own", "area", "book"],
 )
 def test_view_begins_with_what_was_asked_for(capsys, options) -> None:
     command = ["view", "hills.npy", "--off-screen", "-o", "view.png", *SMALL, *options]

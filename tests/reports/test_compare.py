@@ -84,6 +84,7 @@ def test_every_rule_and_every_lod_is_tried() -> None:
     ours = {each.family for each in tried if each.peer is None}
     assert ours == {
         *("UniformLod", "DistanceLod", "CoplanarityLod", "ScreenAreaLod"),
+        "BookCoplanarityLod",
         *("MaxErrorLod", "ScreenErrorLod", "BudgetLod", "Weighted"),
     }
     promises = [each for each in tried if each.family == "ScreenErrorLod"]

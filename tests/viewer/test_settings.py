@@ -56,8 +56,8 @@ def test_any_slider_anywhere_gives_a_level_of_detail(settings, value, data):
 
 
 def test_sliders_that_matter_and_their_scale():
-    names = [slider.name for slider in SETTINGS.changed("lod", "coplanarity").sliders]
-    formula = ["near", "far", "minimum", "maximum", "flat_weight"]
+    names = [slider.name for slider in SETTINGS.changed("lod", "book-coplanarity").sliders]
+    formula = ["minimum", "maximum", "near", "far", "flat_weight"]
     always = ["horizon", "silhouette", "tile", "azimuth", "elevation"]
     assert names == formula + always
     for slider in SETTINGS.numbers:
@@ -106,10 +106,10 @@ def test_numbers_without_a_slider_beside_others_of_their_name():
     assert budget.changed("pixels", 3).detail() == BudgetLod(100_000, pixels=3)
     # each level of detail keeps its own
     assert budget.changed("pixels", 3).changed("lod", "screen-error").detail() == ScreenErrorLod(1)
-    rough = SETTINGS.changed("lod", "coplanarity").changed("full_deviation", 5)
+    rough = SETTINGS.changed("lod", "book-coplanarity").changed("full_deviation", 5)
     assert rough.detail().full_deviation == 5
     near = SETTINGS.changed("lod", "distance").changed("near", 10)
-    assert near.changed("lod", "coplanarity").detail().near == 10
+    assert near.changed("lod", "book-coplanarity").detail().near == 10
 
 
 def test_weights_weigh_and_none_do_not():

@@ -21,6 +21,7 @@ _LOOKS: Final[dict[str, tuple[str, str]]] = {
     "UniformLod": ("#9aa1ad", "o"),
     "DistanceLod": ("#56b4e9", "o"),
     "CoplanarityLod": ("#009e73", "o"),
+    "BookCoplanarityLod": ("#7fcfb9", "o"),
     "ScreenAreaLod": ("#8ab66f", "o"),
     "MaxErrorLod": ("#0b3d91", "o"),
     "ScreenErrorLod": ("#d55e00", "o"),
