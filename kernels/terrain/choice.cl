@@ -219,6 +219,10 @@ __kernel void descend(CHOICE_ARGUMENTS,
             return;
         bound = costs[top];
     }
+#if GROUP > 1
+    // all have read what is written at the end
+    barrier(CLK_GLOBAL_MEM_FENCE);
+#endif
     // what a node has come to, and with how many leaves
     float cost;
     int leaves, length = 0;

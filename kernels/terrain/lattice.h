@@ -205,6 +205,10 @@ inline bool is_within(const Ground ground, const Tile tile, const Lattice *latti
         if (known % 2 == 1 && step_end(step) <= room)
             return true;
     }
+#if GROUP > 1
+    // all have read what one of them writes now
+    barrier(CLK_GLOBAL_MEM_FENCE);
+#endif
     if (!*is_read)
         read_lattice(ground, tile, lattice);
     *is_read = true;
