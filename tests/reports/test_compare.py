@@ -144,7 +144,8 @@ def test_a_better_peer_is_not_hidden(promised: Result) -> None:
     assert replace(theirs, metres=5.0001).broken is None  # rounding
     assert replace(theirs, metres=5.1).broken
     text = " ".join(findings([promised, theirs], [], []))
-    assert f"{promised.triangles:,} against {theirs.triangles:,}, 4 times" in text
+    times = promised.triangles / theirs.triangles
+    assert f"{promised.triangles:,} against {theirs.triangles:,}, {times:.3g} times" in text
     assert "it is the better choice" in text
 
 
