@@ -63,7 +63,8 @@ def view(
     GraphicsError
         If there is no display, or nothing can be drawn.
     """
-    model, path = _model(what, settings, device), _recorded(record)
+    model = _model(what, settings, device)
+    path = None if record is None else file_path("record", record)
     eye = _eye(camera, model)
     require_display()
     window = Window(model, eye)
@@ -117,8 +118,8 @@ def look(
     GraphicsError
         If nothing can be drawn.
     """
-    model, path = _model(what, settings, device), _recorded(record)
-    movie = None if path is None else Movie(path)
+    model = _model(what, settings, device)
+    movie = None if record is None else Movie(file_path("record", record))
     window = Window(model, _eye(camera, model), off_screen=True)
     try:
         window.settle(measured=True)
@@ -181,10 +182,6 @@ def _model(
 
 def _eye(camera: Camera | None, model: Model) -> Camera:
     return model.scene.camera() if camera is None else instance("a Camera", camera, Camera)
-
-
-def _recorded(record: str | Path | None) -> Path | None:
-    return None if record is None else file_path("record", record)
 
 
 @contextmanager

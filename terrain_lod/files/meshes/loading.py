@@ -64,7 +64,7 @@ def load_mesh(path: str | Path) -> Mesh:
         If a package is needed to read it that is not installed; the message names the extra.
     """
     path = file_path("path", path)
-    if not os.path.isfile(path):  # as Path.is_file, but a name may be too long
+    if not os.path.isfile(path):  # as Path.is_file, but a folder may be closed
         raise FileError(f"expected a mesh file, got none at {path}")
     raw = read(path)
     for note in raw.notes:

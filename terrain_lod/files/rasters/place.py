@@ -33,6 +33,8 @@ class Place:
 def place_of(raster: Raster, name: str, spacing: Spacing | None) -> Place:
     """Return where a raster stands; `spacing` as `load` takes it, or ``"map"``."""
     in_map_units = isinstance(spacing, str) and spacing == MAP
+    if isinstance(spacing, str) and not in_map_units:
+        raise InputError(f'expected one or two numbers or "map" for spacing, got {told(spacing)}')
     given = None if spacing is None or in_map_units else steps("spacing", spacing)
     system, origin = raster.system, raster.origin or (0.0, 0.0)
     unit = system.unit or METRE
