@@ -97,6 +97,8 @@ def against(name: str, samples: int, metres: float, tile: int, rounds: int) -> N
 
 def large(samples: int, pixels: float, tile: int, rounds: int) -> None:
     """Print what a view costs when it is first asked for, and the least of when it is again."""
+    warm = tl.Terrain(fractal(256), tile=tile)  # builds kernels
+    warm.mesh(lod=tl.MaxErrorLod(30.0), partitioning="integer")
     ground = fractal(samples)
     width, depth = ground.extent
     west, north, *_ = ground.origin
