@@ -29,6 +29,7 @@ from .errors import (
     InputError,
     MissingExtraError,
     TerrainError,
+    WorkerError,
 )
 from .files.meshes.loading import load_mesh
 from .files.rasters.loading import load
@@ -99,6 +100,7 @@ __all__ = [
     "UniformLod",
     "VerticalError",
     "Weighted",
+    "WorkerError",
     "analyse",
     "compare",
     "crack_report",

@@ -21,6 +21,7 @@ ROOMS = {
     "errors": "",
     "arguments": "errors",
     "paths": "errors",
+    "tasks": "errors",
     "numbered": "errors arguments",
     "device": "errors",
     "ground": "errors arguments device",
