@@ -275,6 +275,22 @@ def _in_system(raster: Raster, file: Any) -> Raster:
     return replace(raster, system=system, geographic=_geographic(file.crs, text, system))
 
 
+def system_called(name: str) -> System:
+    """Return the coordinate reference system that a code such as ``"EPSG:25832"`` stands for."""
+    if not has_rasterio():
+        raise MissingExtraError(
+            f"expected rasterio, for the CRS {name}, got no such package: {EXTRA}"
+        )
+    import rasterio
+    from rasterio.errors import CRSError
+
+    try:
+        with quiet_rasterio(), rasterio.Env():
+            return system_of(rasterio.CRS.from_user_input(name).to_wkt(), name)
+    except CRSError:
+        raise InputError(f"expected a CRS that PROJ knows, got {name!r}") from None
+
+
 def _geographic(
     crs: Any, text: str, system: System
 ) -> Callable[[float, float], tuple[float, float]] | None:
