@@ -50,6 +50,7 @@ from .mesh.hits import Hits
 from .mesh.mesh import Achieved, Mesh, Patches
 from .mesh.queries import MeshQueries
 from .numbered import Number, number
+from .pyramid.build import build
 from .reports.compare.compare import compare
 from .reports.compare.outcome import SweepReport
 from .reports.report import Report, report
@@ -102,6 +103,7 @@ __all__ = [
     "Weighted",
     "WorkerError",
     "analyse",
+    "build",
     "compare",
     "crack_report",
     "curved",

@@ -29,6 +29,8 @@ ROOMS = {
     "tessellation": "errors arguments device",
     "mesh": "errors device ground",
     "files": "errors arguments paths ground mesh",
+    "sources": "errors ground files",
+    "pyramid": "errors arguments tasks sources",
     "terrain": "errors arguments paths numbered device ground camera tessellation mesh",
     "curved": "errors arguments numbered device camera tessellation mesh files",
     "reference": "device ground camera tessellation mesh terrain",
@@ -42,7 +44,7 @@ ROOMS = {
     "reports": """errors arguments paths numbered device ground camera mesh terrain measure drawing
                   checks""",
     "cli": """interrupts errors arguments paths numbered device ground camera tessellation mesh
-              files terrain curved measure drawing viewer reports""",
+              files sources pyramid terrain curved measure drawing viewer reports""",
     "__main__": "cli",
 }
 # within a function, so that a value can offer what is written above it
@@ -57,7 +59,7 @@ WRITERS = {("mesh.mesh", "files.meshes.export")}
 # only there, so that everything else runs without them
 GUARDED = {"pyopencl": {"device"}, "rasterio": {"files.rasters.readers_gdal"}}
 # nobody waits for these on import
-HEAVY = ("pyvista", "vtkmodules", "matplotlib", "rasterio", "skimage", "scipy", "rich")
+HEAVY = ("pyvista", "vtkmodules", "matplotlib", "rasterio", "skimage", "scipy", "rich", "zarr")
 
 
 def module_of(path: Path) -> str:

@@ -1,4 +1,4 @@
-"""The command line: demo, render, mesh, report, view, smooth, pattern, samples, doctor.
+"""The command line: demo, render, mesh, report, view, build, info, smooth, pattern, doctor ...
 
 Exit codes: 0 done, 2 refused with one line on stderr, 130 interrupted.
 """
@@ -43,6 +43,7 @@ from .output import (
     warn,
 )
 from .pattern import pattern
+from .pyramid import build, info
 from .report import report
 from .smooth import smooth
 from .view import view
@@ -223,6 +224,8 @@ app.command(report, sort_key=4)
 app.command(view, sort_key=7)
 app.command(smooth, sort_key=8)
 app.command(pattern, sort_key=9)
+app.command(build, sort_key=10)
+app.command(info, sort_key=11)
 
 
 def _counts(mesh: Any, ground: Heightmap) -> str:

@@ -11,9 +11,10 @@ from typing import Any, Final
 import numpy as np
 
 from ..arguments import finite
-from ..errors import InputError
-from ..paths import require_folder as require_parent
+from ..errors import FileError, InputError
+from ..sources.folder import Folder
 from ..sources.opening import source_of
+from ..sources.raster_file import RasterFile
 from ..sources.source import Source
 from ..tasks import Progress, Workers, run_tasks
 from .division import CHUNK, LADDER, NODE, Division
@@ -111,7 +112,8 @@ def build(
     path = Path(path)
     division = Division(*source.shape, chunk)
     log.info("%s: %s", path, memory_line(division))
-    require_parent(path)
+    if not path.parent.is_dir():
+        raise FileError(f"expected a folder to make {path.name} in, got none at {path.parent}")
     with locked(path.with_name(f"{path.name}.lock")):
         store = _store_of(source, path, division, base)
         if store.description.complete:
@@ -125,11 +127,10 @@ def build(
         for count, _ in enumerate(run_tasks(work, todo, workers=workers), done + 1):
             if progress is not None:
                 progress(count, done + len(todo))
+        # a 256th of all there is to do, and less
         for level in division.coarse:
-            above = partial(_build_chunk, store.path, store.description, level)
-            chunks = list(np.ndindex(division.chunks(level)))
-            for _ in run_tasks(above, chunks, workers=workers):
-                pass
+            for place in np.ndindex(division.chunks(level)):
+                _build_chunk(store, level, place)
         _gather(store)
         _require_unchanged(source, store.description)
         store.finish()
@@ -213,7 +214,8 @@ def _build_region(source: Source, path: Path, description: Description, place: P
     store, division = Store(path, description), description.division
     rows, columns = division.region_slices(*place)
     heights = source.read(rows, columns)
-    _require_unchanged(source, description)
+    if isinstance(source, RasterFile | Folder):
+        _require_unchanged(source, description)
     if description.base:
         heights -= description.base
     with np.errstate(over="ignore"):
@@ -246,9 +248,9 @@ def _handed(store: Store, place: Place) -> Handed:
     return Handed(store.division, *(store.read(name, place) for name in names))
 
 
-def _build_chunk(path: Path, description: Description, level: int, place: Place) -> None:
+def _build_chunk(store: Store, level: int, place: Place) -> None:
     """Put a chunk of a coarse level together from what its regions handed up."""
-    store, division = Store(path, description), description.division
+    division = store.division
     rows, columns = (
         range(number * across, min((number + 1) * across, regions))
         for across in [(division.chunk << level) // division.region]

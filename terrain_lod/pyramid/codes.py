@@ -16,8 +16,14 @@ UNKNOWN: Final = 255
 
 Codes = npt.NDArray[np.uint8]
 
-_VALUES: Final[npt.NDArray[np.float64]] = np.concatenate(
-    ([0.0], 2.0 ** (np.arange(UNKNOWN - 1) / STEPS + LEAST), [np.inf])
+
+def _rounded_up(values: npt.NDArray[np.float64]) -> npt.NDArray[np.float32]:
+    near = values.astype(np.float32)
+    return np.where(near < values, np.nextafter(near, np.float32(np.inf)), near)
+
+
+_VALUES: Final = _rounded_up(
+    np.concatenate(([0.0], 2.0 ** (np.arange(UNKNOWN - 1) / STEPS + LEAST), [np.inf]))
 )
 
 
@@ -28,12 +34,4 @@ def encode(errors: npt.NDArray[Any]) -> Codes:
 
 def decode(codes: Codes) -> npt.NDArray[np.float32]:
     """Return the errors that codes stand for, never rounded down."""
-    return _ROUNDED_UP[codes]
-
-
-def _rounded_up(values: npt.NDArray[np.float64]) -> npt.NDArray[np.float32]:
-    near = values.astype(np.float32)
-    return np.where(near < values, np.nextafter(near, np.float32(np.inf)), near)
-
-
-_ROUNDED_UP: Final = _rounded_up(_VALUES)
+    return _VALUES[codes]

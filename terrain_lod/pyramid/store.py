@@ -152,8 +152,6 @@ class Store:
                 group.create_array(
                     name, shape=shape, chunks=chunks, shards=shards, dtype=dtype,
                     fill_value=np.nan if dtype == "float32" else 0, compressors=_codecs(),
-                    # a chunk that is not there is missing, not empty
-                    config={"write_empty_chunks": True},
                 )  # fmt: skip
 
     def finish(self) -> None:
@@ -166,7 +164,10 @@ class Store:
     def array(self, name: str) -> Any:
         if name not in self._arrays:
             try:
-                self._arrays[name] = _zarr().open_array(self.path / name, mode="r+")
+                zarr = _zarr()
+                # a chunk that is not there is missing, not empty
+                with zarr.config.set({"array.write_empty_chunks": True}):
+                    self._arrays[name] = zarr.open_array(self.path / name, mode="r+")
             except Exception as error:
                 raise self._damage(name, (), error) from error
         return self._arrays[name]
