@@ -54,6 +54,7 @@ from .pyramid.build import build
 from .reports.compare.compare import compare
 from .reports.compare.outcome import SweepReport
 from .reports.report import Report, report
+from .streaming.terrain import StreamingTerrain, open
 from .terrain.analysis import TileAnalysis, analyse
 from .terrain.lod import Lod, PromiseLod, Scene, Weighted
 from .terrain.lod_formulas import CoplanarityLod, DistanceLod, ScreenAreaLod, UniformLod
@@ -94,6 +95,7 @@ __all__ = [
     "ScreenAreaLod",
     "ScreenError",
     "ScreenErrorLod",
+    "StreamingTerrain",
     "SweepReport",
     "Terrain",
     "TerrainError",
@@ -114,6 +116,7 @@ __all__ = [
     "load_mesh",
     "normal_error",
     "number",
+    "open",
     "patch_errors",
     "pn_triangles",
     "pop_metric",
