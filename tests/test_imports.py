@@ -32,7 +32,7 @@ ROOMS = {
     "sources": "errors ground files",
     "pyramid": "errors arguments tasks sources",
     "terrain": "errors arguments paths numbered device ground camera tessellation mesh",
-    "streaming": """errors arguments device ground camera mesh files pyramid terrain""",
+    "streaming": "errors arguments device ground camera mesh files pyramid terrain",
     "curved": "errors arguments numbered device camera tessellation mesh files",
     "reference": "device ground camera tessellation mesh terrain",
     "measure": "errors device ground camera mesh reference",

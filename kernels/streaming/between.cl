@@ -27,12 +27,34 @@ inline float points_error(const Measured lattice, float4 a, float4 b, float4 c)
             const float weight1 = (x * y2 - x2 * y) * inverse, weight2 = (x1 * y - x * y1) * inverse;
             if (smaller(smaller(weight1, weight2), 1.0f - weight1 - weight2) < -near)
                 continue;
+            if (!sample_has_data(lattice.ground, row, column))
+                continue;
             const float height = lattice_height(lattice, row, column);
             const float difference = (a.z - height) + weight1 * rise1 + weight2 * rise2;
             error = larger(error, absolute(difference));
         }
     // roundings of weights, as parts of what is interpolated
     return error > 0.0f ? error + 1e-6f * (error + absolute(rise1) + absolute(rise2)) : 0.0f;
+}
+
+// How far a corner is from the surface, and a quarter of the twist of the cells around it: a side that
+// begins there may rise by so much. Corners of a leaf are on its own surface, those of a joined one on
+// a finer one's.
+inline float corner_error(const Measured lattice, float4 corner)
+{
+    const int row = min((int)corner.y, lattice.tile.cells_down - 1);
+    const int column = min((int)corner.x, lattice.tile.cells_across - 1);
+    const float down = corner.y - row, across = corner.x - column;
+    const float nw = lattice_height(lattice, row, column), ne = lattice_height(lattice, row, column + 1);
+    const float sw = lattice_height(lattice, row + 1, column);
+    const float se = lattice_height(lattice, row + 1, column + 1);
+    const float north = nw + (ne - nw) * across, south = sw + (se - sw) * across;
+    float twist = 0.0f;
+    for (int r = down == 0.0f ? max(row - 1, 0) : row; r <= row; ++r)
+        for (int c = across == 0.0f ? max(column - 1, 0) : column; c <= column; ++c)
+            twist = larger(twist, twist_of(lattice, r, c));
+    const float error = absolute(corner.z - (north + (south - north) * down));
+    return error + 0.25f * twist;
 }
 
 __kernel void between(const Grid grid,
@@ -53,6 +75,16 @@ __kernel void between(const Grid grid,
     const Measured lattice = {ground, tile, 1};
     const float4 a = points[triangles[3 * i]], b = points[triangles[3 * i + 1]];
     const float4 c = points[triangles[3 * i + 2]];
-    errors[i] = is_full ? points_error(lattice, a, b, c)
-                        : lattice_triangle_error(lattice, a, b, c, max(grid.rows, grid.columns));
+    if ((b.x - a.x) * (c.y - a.y) == (c.x - a.x) * (b.y - a.y)) {
+        errors[i] = 0.0f;   // no surface
+        return;
+    }
+    if (is_full) {
+        errors[i] = points_error(lattice, a, b, c);
+        return;
+    }
+    const float corners = larger(larger(corner_error(lattice, a), corner_error(lattice, b)),
+                                 corner_error(lattice, c));
+    const float inner = lattice_triangle_error(lattice, a, b, c, max(grid.rows, grid.columns));
+    errors[i] = larger(inner, corners * (1.0f + 1e-6f));
 }

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import heapq
-from collections.abc import Callable, Iterator
+from collections.abc import Container, Iterator
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
+from ..device import layout
 from ..pyramid.codes import decode
 from ..pyramid.region import Nodes
 from ..pyramid.store import Store
@@ -29,7 +30,7 @@ class Cut:
     ----------
     places : tuple of Place
     missing : tuple of Place
-        Those that would have been chosen but are not at hand, the coarsest first.
+        Those that are not at hand and would be better, the coarsest first.
     is_enough : bool
         Whether all of them are fine enough.
     """
@@ -37,6 +38,13 @@ class Cut:
     places: tuple[Place, ...]
     missing: tuple[Place, ...]
     is_enough: bool
+
+
+def _above(place: Place) -> Iterator[Place]:
+    """Yield the ancestors of a chunk, and more beyond the root."""
+    level, row, column = place
+    for more in range(1, layout.MAX_LEVELS):
+        yield level + more, row >> more, column >> more
 
 
 class Chunks:
@@ -87,14 +95,26 @@ class Chunks:
         rows, columns = np.array(places)[:, 1:].T
         return decode(self.known(places[0][0]).errors[rows, columns, 0])
 
-    def cut(
-        self,
-        asked: Asked,
-        most: int,
-        *,
-        at_hand: Callable[[Place], bool] = lambda place: True,
-        finer: frozenset[Place] = frozenset(),
-    ) -> Cut:
+    def at_hand(self, cut: Cut, held: Container[Place]) -> Cut:
+        """Return a cut with the nearest ancestors that are held in place of what is not.
+
+        The root has to be.
+        """
+        missing: set[Place] = set()
+        instead: set[Place] = set()
+        for place in cut.places:
+            found = place
+            while found not in held:
+                missing.add(found)
+                level, row, column = found
+                found = level + 1, row // 2, column // 2
+            instead.add(found)
+        # what lies below another one is covered by it
+        kept = [place for place in instead if not any(above in instead for above in _above(place))]
+        ordered = sorted(missing, key=lambda place: (-place[0], place))
+        return Cut(tuple(sorted(kept)), tuple(ordered), cut.is_enough and not missing)
+
+    def cut(self, asked: Asked, most: int, *, finer: frozenset[Place] = frozenset()) -> Cut:
         """Choose chunks, splitting the one first that is farthest from what it may be.
 
         Parameters
@@ -102,13 +122,10 @@ class Chunks:
         asked : Asked
         most : int
             Chunks at most; then what is chosen may not be enough.
-        at_hand : callable
-            Whether a chunk may be chosen; one that may not leaves the coarser one in its place.
         finer : frozenset of Place
             Chunks that are split whatever they promise.
         """
         heap: list[tuple[float, Place]] = []
-        missing: list[Place] = []
         is_enough = True
         for ratio, place in self._judged(asked, [self.root], finer):
             heapq.heappush(heap, (-ratio, place))
@@ -119,16 +136,13 @@ class Chunks:
                 chosen.append(place)
                 continue
             children = list(self._judged(asked, self.children(place), finer))
-            absent = [child for _, child in children if not at_hand(child)]
-            if absent or len(heap) + len(chosen) + len(children) > most:
-                missing += absent
+            if len(heap) + len(chosen) + len(children) > most:
                 is_enough = False
                 chosen.append(place)
                 continue
             for worse, child in children:
                 heapq.heappush(heap, (-worse, child))
-        missing.sort(key=lambda place: -place[0])
-        return Cut(tuple(sorted(chosen)), tuple(missing), is_enough)
+        return Cut(tuple(sorted(chosen)), (), is_enough)
 
     def _judged(
         self, asked: Asked, places: list[Place], finer: frozenset[Place]

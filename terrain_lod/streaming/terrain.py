@@ -11,7 +11,6 @@
 from __future__ import annotations
 
 import os
-import re
 import threading
 from collections import OrderedDict
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -22,22 +21,19 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from ..arguments import finite
 from ..camera.camera import Camera
-from ..device import layout
 from ..device.device import Device
 from ..errors import InputError
-from ..files.rasters.limits import free_memory
-from ..ground.grid import TileGrid
 from ..mesh.hits import Hits, checked_points, checked_rays
-from ..mesh.mesh import Achieved, Mesh, Patches
-from ..pyramid.division import NODE
+from ..mesh.mesh import Achieved, Mesh
 from ..pyramid.store import Store
 from ..terrain.lod import PromiseLod
 from ..terrain.lod_promises import MaxErrorLod, ScreenErrorLod
 from .cut import Chunks, Cut, Place
+from .gathered import Gathered, grid_of
 from .join import join
-from .piece import Array, Piece
+from .memory import bytes_of
+from .piece import Piece
 from .rays import chunks_on_ray
 from .view import Asked
 from .window import Window, window_bytes
@@ -51,8 +47,6 @@ _LESS: Final = 0.97
 # a chunk that would be asked for less than this is split
 _LEAST_SHARE: Final = 0.25
 _MOST_ROUNDS: Final = 12
-# without memory=, the part of what is free
-_PART: Final = 0.25
 # chunks that any view needs: one of each level around the eye, and those beside it
 _LEAST_CHUNKS: Final = 8
 
@@ -108,7 +102,7 @@ class StreamingTerrain:
         self, store: Store, *, memory: int | str | None = None, device: Device | None = None
     ) -> None:
         self.store, self.device = store, device or Device.open()
-        self.memory = _bytes(memory)
+        self.memory = bytes_of(memory)
         self._chunks, self._each = Chunks(store), window_bytes(store.division.chunk)
         least = self._each * _LEAST_CHUNKS
         if self.memory < least:
@@ -313,13 +307,13 @@ class StreamingTerrain:
         return self._window(place).piece(asked, _part_of(asked, share))
 
     def _cut(self, asked: Asked, wait: bool, finer: frozenset[Place]) -> Cut:
+        cut = self._chunks.cut(asked, self._most, finer=finer)
         if wait:
-            return self._chunks.cut(asked, self._most, finer=finer)
-        if self._chunks.root not in self._held:
-            self._window(self._chunks.root)
+            return cut
+        self._window(self._chunks.root)
         with self._lock:
             held = set(self._held)
-        cut = self._chunks.cut(asked, self._most, at_hand=held.__contains__, finer=finer)
+        cut = self._chunks.at_hand(cut, held)
         self._read_ahead(list(cut.missing))
         return cut
 
@@ -333,7 +327,7 @@ class StreamingTerrain:
             # floats are finest near zero: there the eye is
             eye = (np.array(asked.camera.eye[:2]) - [*own.origin]) / [dx, -dy]
             first = np.clip(np.round(eye), 0, [own.columns - 1, own.rows - 1])
-        patches = _Gathered()
+        patches = Gathered()
         for piece, mesh, place in zip(pieces, meshes, cut.places, strict=True):
             patches.add(piece, mesh, place, self.store.division.chunk)
         places, heights, normals, triangles = patches.arrays()
@@ -350,7 +344,7 @@ class StreamingTerrain:
             triangles,
             origin=np.array([x + column * dx, y - row * dy, own.base]),
             crs=own.crs,
-            patches=patches.patches(_grid(own.rows, own.columns, own.spacing)),
+            patches=patches.patches(grid_of(own.rows, own.columns, own.spacing)),
             achieved=Achieved(worst, pixels, used <= 1.0, rounds),
         )
 
@@ -421,66 +415,6 @@ class StreamingTerrain:
         )
 
 
-class _Gathered:
-    """Pieces one after the other, what came into them in the order of their patches."""
-
-    def __init__(self) -> None:
-        self._parts: list[tuple[npt.NDArray[np.generic], ...]] = []
-        self._patches: list[tuple[npt.NDArray[np.generic], ...]] = []
-        self._vertices = 0
-
-    def add(self, piece: Piece, mesh: Mesh, place: Place, chunk: int) -> None:
-        assert mesh.patches is not None
-        level, row, column = place
-        used = np.zeros(len(piece.heights), bool)
-        used[piece.triangles] = True
-        kept = np.flatnonzero(used)
-        kept = kept[np.argsort(piece.patch_of_vertex[kept], kind="stable")]
-        number = np.empty(len(used), np.int32)
-        number[kept] = np.arange(len(kept)) + self._vertices
-        order = np.argsort(piece.patch_of_triangle, kind="stable")
-        self._vertices += len(kept)
-        self._parts.append(
-            (piece.places[kept], piece.heights[kept], piece.normals[kept],
-             number[piece.triangles[order]])
-        )  # fmt: skip
-        patches = mesh.patches
-        first = np.array([row, column, 0, 0]) * chunk + patches.areas
-        counts = [
-            np.bincount(part, minlength=patches.count)
-            for part in (piece.patch_of_vertex[kept], piece.patch_of_triangle)
-        ]
-        self._patches.append(
-            (first << level, patches.edge_factors, patches.inside_factors, *counts,
-             patches.deviation)
-        )  # fmt: skip
-
-    def arrays(self) -> tuple[Array, Array, npt.NDArray[np.float32], npt.NDArray[np.int32]]:
-        empty = np.zeros((0, 2)), np.zeros(0), np.zeros((0, 3), "f4"), np.zeros((0, 3), "i4")
-        places, heights, normals, triangles = (
-            np.concatenate(parts) for parts in zip(empty, *self._parts, strict=True)
-        )
-        return places, heights, normals, triangles
-
-    def patches(self, grid: TileGrid) -> Patches:
-        empty = (
-            np.zeros((0, 4), "i4"), np.zeros((0, 4), "f4"), np.zeros((0, 2), "f4"),
-            np.zeros(0, "i8"), np.zeros(0, "i8"), np.zeros(0, "f4"),
-        )  # fmt: skip
-        areas, edges, insides, points, triangles, deviation = (
-            np.concatenate(parts) for parts in zip(empty, *self._patches, strict=True)
-        )
-        # a level may reach beyond the raster
-        areas[:, 2] = np.minimum(areas[:, 2], grid.rows - 1 - areas[:, 0])
-        areas[:, 3] = np.minimum(areas[:, 3], grid.columns - 1 - areas[:, 1])
-        offsets = [
-            np.append(0, np.cumsum(counts)).astype(np.int64) for counts in (points, triangles)
-        ]
-        return Patches(
-            grid, areas.astype(np.int32), edges, insides, offsets[0], offsets[1], deviation
-        )
-
-
 def _part_of(asked: Asked, share: float) -> PromiseLod:
     """Return a part of the error that is asked for, as a level of detail."""
     if asked.camera is not None and not np.isinf(asked.pixels):
@@ -493,29 +427,3 @@ def _used(piece: Piece) -> float:
     with np.errstate(divide="ignore", invalid="ignore"):
         used = np.where(piece.errors > 0, piece.errors / piece.allowed, 0.0)
     return float(used.max(initial=0.0))
-
-
-def _grid(rows: int, columns: int, spacing: tuple[float, float]) -> TileGrid:
-    """Return tiles of a raster of any size, as small as can be numbered."""
-    try:
-        return TileGrid(rows, columns, NODE, spacing)
-    except InputError:
-        return TileGrid(rows, columns, layout.MAX_TILE, spacing)
-
-
-_SIZE: Final = re.compile(r"\s*([0-9.]+)\s*([kMGT]?)B?\s*", re.IGNORECASE)
-
-
-def _bytes(memory: int | str | None) -> int:
-    """Return bytes of ``"512MB"``, ``"2 GB"`` or a number."""
-    if memory is None:
-        return int(_PART * (free_memory() or 2_000_000_000))
-    if isinstance(memory, str):
-        found = _SIZE.fullmatch(memory)
-        try:
-            assert found is not None
-            powers = {"": 0, "k": 1, "m": 2, "g": 3, "t": 4}
-            return int(float(found[1]) * 1000 ** powers[found[2].lower()])
-        except (AssertionError, ValueError):
-            raise InputError(f'expected memory such as "512MB", got {memory!r}') from None
-    return int(finite("memory", memory))
