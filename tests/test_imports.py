@@ -36,7 +36,8 @@ ROOMS = {
     "curved": "errors arguments numbered device camera tessellation mesh files",
     "reference": "device ground camera tessellation mesh terrain",
     "measure": "errors device ground camera mesh reference",
-    "drawing": "errors arguments paths device ground camera tessellation mesh terrain",
+    "drawing": """errors arguments paths device ground camera tessellation mesh terrain
+                  streaming""",
     "accessor": "ground mesh measure",
     "checks": """errors numbered device ground camera tessellation mesh terrain curved reference
                  measure""",
@@ -45,7 +46,7 @@ ROOMS = {
     "reports": """errors arguments paths numbered device ground camera mesh terrain measure drawing
                   checks""",
     "cli": """interrupts errors arguments paths numbered device ground camera tessellation mesh
-              files sources pyramid terrain curved measure drawing viewer reports""",
+              files sources pyramid terrain streaming curved measure drawing viewer reports""",
     "__main__": "cli",
 }
 # within a function, so that a value can offer what is written above it

@@ -43,7 +43,7 @@ from .output import (
     warn,
 )
 from .pattern import pattern
-from .pyramid import build, info
+from .pyramid import build, info, is_store, open_store
 from .report import report
 from .smooth import smooth
 from .view import view
@@ -64,6 +64,7 @@ app = App(
 )
 app.meta.suppress_keyboard_interrupt = False
 
+Memory = Annotated[str | None, Parameter(metavar="SIZE")]
 Output = Annotated[Path, Parameter(alias="-o", metavar="FILE")]
 OutputFolder = Annotated[Path, Parameter(alias="-o", metavar="DIR")]
 
@@ -110,6 +111,7 @@ def render(
     output: Output,
     style: Literal["shaded", "wireframe", "lod"] = "shaded",
     sun: Sun = None,
+    memory: Memory = None,
     reading: GroundOptions = GroundOptions(),  # noqa: B008
     overlay: OverlayOptions = OverlayOptions(),  # noqa: B008
     view: CameraOptions = CameraOptions(),  # noqa: B008
@@ -129,6 +131,8 @@ def render(
         much detail, through green and blue to black for those with little.
     sun
         Where the light comes from: degrees clockwise from north, degrees above the horizon.
+    memory
+        Of a pyramid that build wrote: how much of it to hold, such as 512MB.
     """
     from ..drawing.graphics import require_graphics
     from ..drawing.picture import draw, require_png, save_png
@@ -138,6 +142,15 @@ def render(
     chosen = lod.make(terrain.tile, *filter(None, [many.beside]))
     beside = many.second(lod, terrain.tile)
     require_graphics()
+    if is_store(ground):
+        opened = open_store(ground, memory, terrain.open())
+        camera = view.over(opened.overview)
+        made = opened.mesh(camera, lod=chosen)
+        light: dict[str, Any] = {} if sun is None else {"sun": sun}
+        seen = draw(made, camera, style=style, height_range=opened.height_range, **light)
+        save_png(seen, output)
+        say(f"{output}: {_counts(made, opened.overview)}")
+        return None
     heights, added = reading.load(ground), overlay.load()
     camera = view.over(heights)
     log("%r", heights)
@@ -160,6 +173,7 @@ def mesh(
     *,
     output: Output,
     cull: Annotated[bool, Parameter(show_default=False)] = False,
+    memory: Memory = None,
     reading: GroundOptions = GroundOptions(),  # noqa: B008
     overlay: OverlayOptions = OverlayOptions(),  # noqa: B008
     view: CameraOptions = CameraOptions(),  # noqa: B008
@@ -176,6 +190,8 @@ def mesh(
     cull
         Leave out patches that the camera does not see. Files are looked at from anywhere, so that
         they are whole by default.
+    memory
+        Of a pyramid that build wrote: how much of it to hold, such as 512MB.
     """
     from ..files.meshes.export import FORMATS
     from ..measure.cracks import crack_report
@@ -184,6 +200,13 @@ def mesh(
     require_folder(output)
     one_of("mesh format", output.suffix.lower(), FORMATS)
     chosen = lod.make(terrain.tile)
+    if is_store(ground):
+        opened = open_store(ground, memory, terrain.open())
+        made = opened.mesh(view.over(opened.overview), lod=chosen, cull=cull)
+        made.save(output)
+        say(f"{output}: {_counts(made, opened.overview)}")
+        say(str(crack_report(made)))
+        return
     heights, added = reading.load(ground), overlay.load()
     camera = view.over(heights)
     log("%r", heights)

@@ -95,6 +95,11 @@ class GroundOptions:
                 option = "--" + next(iter(overrides)).replace("_", "-")
                 raise InputError(f"expected a file with {option}, got the sample {name!r}")
             return sample(name)
+        if (Path(name) / "zarr.json").is_file():
+            raise InputError(
+                f"expected a raster file, got the pyramid {name}: build, info, mesh and render "
+                "take it"
+            )
         if not Path(name).exists() and not Path(name).suffix:
             samples = ", ".join(sample_names())
             raise FileError(f"expected a raster file or a sample ({samples}), got {name!r}")

@@ -110,6 +110,18 @@ def _team(workers: int | None, scheduler: str | None) -> Iterator[Any]:
         yield client
 
 
+def is_store(name: str) -> bool:
+    """Return whether a ground is a pyramid on disk."""
+    return (Path(name) / "zarr.json").is_file()
+
+
+def open_store(name: str, memory: str | None, device: Any) -> Any:
+    """Open a pyramid as a terrain; options of reading are those of its build."""
+    from ..streaming.terrain import open as open_terrain
+
+    return open_terrain(name, memory=memory, device=device)
+
+
 def info(store: Annotated[Path, Parameter(metavar="STORE")], /) -> int:
     """Say what a pyramid on disk holds, and verify every chunk of it."""
     from ..pyramid.store import Store

@@ -24,6 +24,7 @@ import numpy.typing as npt
 from ..camera.camera import Camera
 from ..device.device import Device
 from ..errors import InputError
+from ..ground.heightmap import Heightmap
 from ..mesh.hits import Hits, checked_points, checked_rays
 from ..mesh.mesh import Achieved, Mesh
 from ..pyramid.store import Store
@@ -145,6 +146,11 @@ class StreamingTerrain:
         own, top = self.store.description, self.store.division.top
         low, high = self._chunks.known(top).ranges.reshape(2).tolist()
         return own.base + low, own.base + high
+
+    @property
+    def overview(self) -> Heightmap:
+        """The coarsest level, as a heightmap by itself: to find one's way, not to measure."""
+        return self._window(self._chunks.root).terrain.ground
 
     @property
     def held(self) -> int:
