@@ -14,12 +14,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
 
-from .piece import AXES, EAST, NORTH, SOUTH, WEST, Array, Numbers, Piece, grown
+from .piece import AXES, EAST, NORTH, SOUTH, WEST, Array, Numbers, Piece, grown, unit
 
 OPPOSITE: Final = {WEST: EAST, NORTH: SOUTH, EAST: WEST, SOUTH: NORTH}
 
@@ -74,6 +74,28 @@ class Edges:
 
 
 @dataclass(frozen=True, eq=False)
+class Points:
+    """N points of the line between two pieces.
+
+    Attributes
+    ----------
+    along : (N,) float64
+        Places along it.
+    heights : (N,) float64
+    normals : (N, 3) float32
+        Means of those that the pieces have there.
+    """
+
+    along: Array
+    heights: Array
+    normals: npt.NDArray[np.float32]
+
+    def at(self, numbers: npt.NDArray[Any]) -> Points:
+        """Return some of them."""
+        return Points(self.along[numbers], self.heights[numbers], self.normals[numbers])
+
+
+@dataclass(frozen=True, eq=False)
 class Inserted:
     """N points that come into edges of a piece.
 
@@ -83,12 +105,14 @@ class Inserted:
         As those of the edges.
     places : (N, 2) float64
     heights : (N,) float64
+    normals : (N, 3) float32
     """
 
     triangles: Numbers
     corners: npt.NDArray[np.int64]
     places: Array
     heights: Array
+    normals: npt.NDArray[np.float32]
 
 
 def join(pieces: list[Piece]) -> list[Piece]:
@@ -159,54 +183,54 @@ def _meet(
     for part in (slice(len(led), None), slice(len(led))):
         line[group[part]] = places[part]
     heights = one.heights_along(side, line)
-    one = _onto(one, led, line, heights, group[: len(led)], axis)
+    normals = np.zeros((len(line), 3))
+    np.add.at(normals, group, np.concatenate([one.normals[led], other.normals[following]]))
+    points = Points(line, heights, unit(normals))
+    one = _onto(one, led, points.at(group[: len(led)]), axis)
     # where the leader shows nothing, nobody is to be met
     held = edges.covers(line, near)
     met = held[group[len(led) :]]
-    other = _onto(other, following[met], line, heights, group[len(led) :][met], axis)
-    line, heights = line[held], heights[held]
-    new_one = _inserted(edges, line, heights, axis, one.sides[side], near)
-    new_other = _inserted(facing, line, heights, axis, one.sides[side], near)
+    other = _onto(other, following[met], points.at(group[len(led) :][met]), axis)
+    new_one = _inserted(edges, points.at(held), axis, one.sides[side], near)
+    new_other = _inserted(facing, points.at(held), axis, one.sides[side], near)
     one = one.with_moved(one.patch_of_triangle[new_one.triangles])
     return one, other.with_moved(other.patch_of_triangle[new_other.triangles]), new_one, new_other
 
 
-def _onto(
-    piece: Piece, vertices: Numbers, line: Array, heights: Array, group: npt.NDArray[np.int64],
-    axis: int,
-) -> Piece:  # fmt: skip
+def _onto(piece: Piece, vertices: Numbers, points: Points, axis: int) -> Piece:
     """Return a piece with vertices moved to points of a line."""
-    places, raised = piece.places.copy(), piece.heights.copy()
-    places[vertices, 1 - axis] = line[group]
-    raised[vertices] = heights[group]
-    changed = vertices[raised[vertices] != piece.heights[vertices]]
-    piece = replace(piece, places=places, heights=raised)
+    places, heights, normals = piece.places.copy(), piece.heights.copy(), piece.normals.copy()
+    places[vertices, 1 - axis] = points.along
+    heights[vertices], normals[vertices] = points.heights, points.normals
+    changed = vertices[heights[vertices] != piece.heights[vertices]]
+    piece = replace(piece, places=places, heights=heights, normals=normals)
     return piece.with_moved(piece.patch_of_vertex[changed])
 
 
-def _inserted(
-    edges: Edges, line: Array, heights: Array, axis: int, across: float, near: float
-) -> Inserted:
+def _inserted(edges: Edges, points: Points, axis: int, across: float, near: float) -> Inserted:
     """Return the points of a line that lie within edges."""
+    line = points.along
     first = np.searchsorted(line, edges.low + near)
     counts = np.maximum(np.searchsorted(line, edges.high - near) - first, 0)
     edge = np.repeat(np.arange(len(counts)), counts)
     number = first[edge] + np.arange(len(edge)) - np.repeat(np.cumsum(counts) - counts, counts)
     places = np.empty((len(number), 2))
     places[:, axis], places[:, 1 - axis] = across, line[number]
-    return Inserted(edges.triangles[edge], edges.corners[edge], places, heights[number])
+    points = points.at(number)
+    return Inserted(
+        edges.triangles[edge], edges.corners[edge], places, points.heights, points.normals
+    )
 
 
 def _split(piece: Piece, inserted: list[Inserted]) -> Piece:
     """Return a piece whose triangles have taken points into their edges."""
-    triangles, corners, places, heights = (
+    triangles, corners, places, heights, normals = (
         np.concatenate([getattr(points, name) for points in inserted]) if inserted else np.zeros(0)
-        for name in ("triangles", "corners", "places", "heights")
+        for name in ("triangles", "corners", "places", "heights", "normals")
     )
     if not len(triangles):
         return piece
     starts = piece.triangles[triangles, corners]
-    ends = piece.triangles[triangles, (corners + 1) % 3]
     # in the order in which each edge meets them, and each once, where two leaders end at it
     way = np.hypot(*(places - piece.places[starts]).T)
     order = np.lexsort([way, corners, triangles])
@@ -225,14 +249,13 @@ def _split(piece: Piece, inserted: list[Inserted]) -> Piece:
         patches += [int(piece.patch_of_triangle[triangle])] * len(fan)
     whole = np.ones(len(piece.triangles), bool)
     whole[list(by_triangle)] = False
-    mixed = (piece.normals[starts] + piece.normals[ends])[order]
     return grown(
         piece,
         np.concatenate([piece.triangles[whole], np.array(split, np.int32)]),
         np.concatenate([piece.patch_of_triangle[whole], np.array(patches, np.int32)]),
         places[order],
         heights[order],
-        (mixed / np.linalg.norm(mixed, axis=1, keepdims=True)).astype(np.float32),
+        normals[order],
         piece.patch_of_triangle[triangles[order]],
     )
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -130,7 +130,7 @@ def clipped(piece: Piece, axis: int, end: float) -> Piece:
         np.concatenate(patches),
         places,
         heights,
-        _between(piece.normals, a, b, share),
+        unit(piece.normals[a] * (1 - share) + piece.normals[b] * share),
         piece.patch_of_vertex[a],
     )
 
@@ -156,10 +156,6 @@ def grown(
     )
 
 
-def _between(
-    normals: npt.NDArray[np.float32], a: Numbers, b: Numbers, share: Array
-) -> npt.NDArray[np.float32]:
-    """Return unit normals on the way from those of `a` to those of `b`."""
-    mixed = normals[a] * (1 - share) + normals[b] * share
-    length = np.linalg.norm(mixed, axis=1, keepdims=True)
-    return np.asarray(mixed / length, np.float32)
+def unit(vectors: npt.NDArray[np.floating[Any]]) -> npt.NDArray[np.float32]:
+    """Return vectors at unit length; (N, 3)."""
+    return np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True), np.float32)
