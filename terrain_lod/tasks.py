@@ -41,6 +41,18 @@ Workers = int | Submits | None
 an executor of ``concurrent.futures``, or a ``Client`` of ``dask.distributed``."""
 
 
+def require_workers(workers: Workers) -> None:
+    """Refuse what is no workers, before there is work."""
+    if isinstance(workers, int) and not isinstance(workers, bool):
+        if workers < 1:
+            raise InputError(f"expected at least 1 worker, got {workers}")
+    elif workers is not None and not callable(getattr(workers, "submit", None)):
+        raise InputError(
+            "expected a number of workers, an executor or a client of dask for workers, "
+            f"got {workers!r}"
+        )
+
+
 def run_tasks(
     work: Callable[[Task], Result],
     tasks: Sequence[Task],
@@ -78,20 +90,14 @@ def run_tasks(
     waits for what one has: afterwards nobody works on. Processes are spawned, not forked, as
     devices do not survive a fork; so a script has to start from ``if __name__ == "__main__"``.
     """
+    require_workers(workers)
     results: Iterator[tuple[Task, Result]]
     if workers is None:
         results = ((task, work(task)) for task in tasks)
-    elif isinstance(workers, int) and not isinstance(workers, bool):
-        if workers < 1:
-            raise InputError(f"expected at least 1 worker, got {workers}")
+    elif isinstance(workers, int):
         results = _by_processes(work, tasks, workers)
-    elif callable(getattr(workers, "submit", None)):
-        results = _by_executor(work, tasks, *_executor(workers))
     else:
-        raise InputError(
-            "expected a number of workers, an executor or a client of dask for workers, "
-            f"got {workers!r}"
-        )
+        results = _by_executor(work, tasks, *_executor(workers))
     for done, result in enumerate(results, 1):
         if progress is not None:
             progress(done, len(tasks))

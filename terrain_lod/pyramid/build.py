@@ -16,7 +16,7 @@ from ..sources.folder import Folder
 from ..sources.opening import source_of
 from ..sources.raster_file import RasterFile
 from ..sources.source import Source
-from ..tasks import Progress, Workers, run_tasks
+from ..tasks import Progress, Workers, require_workers, run_tasks
 from .division import CHUNK, LADDER, NODE, Division
 from .handed import Handed
 from .lock import locked
@@ -105,6 +105,7 @@ def build(
     MissingExtraError
         If zarr, or what reads the source, is not installed.
     """
+    require_workers(workers)
     source = source_of(
         ground, spacing=spacing, height_range=height_range, nodata=nodata, band=band,
         z_unit=z_unit, z_scale=z_scale,
