@@ -230,3 +230,24 @@ def test_workers_are_none_a_number_or_an_executor(tmp_path: Path, source: Path) 
     wrong: Workers = 0
     with pytest.raises(tl.InputError, match="at least 1 worker"):
         build(str(source), str(tmp_path / "a.tlod"), workers=wrong)
+
+
+@pytest.mark.slow
+def test_a_full_disk_is_one_line_and_the_build_goes_on(tmp_path: Path, source: Path) -> None:
+    build(str(source), str(tmp_path / "0.tlod"))
+    store = tmp_path / "1.tlod"
+    program = (
+        "import resource, signal, sys\n"
+        "from support.pyramids import build\n"
+        "signal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n"
+        # as if nothing larger had room
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))\n"
+        "build(*sys.argv[1:])\n"
+    )
+    child = subprocess.run(
+        [sys.executable, "-c", program, str(source), str(store)],
+        cwd=Path(__file__).parents[1], capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert f"cannot write {store}: File too large; what is there is whole" in child.stderr
+    build(str(source), str(store))
+    assert contents(store) == contents(tmp_path / "0.tlod")
