@@ -17,6 +17,8 @@ TITLES = {
     "ground": ("Ground", "A raster of heights, whatever it came from."),
     "camera": ("Cameras", "Where a picture is taken from."),
     "terrain": ("Terrain and its levels of detail", "From ground to triangles."),
+    "pyramid": ("Pyramids", "Ground of any size, on disk."),
+    "streaming": ("Terrain over pyramids", "What a view needs is held, and no more."),
     "mesh": ("Meshes", "What comes out, and what it can be asked."),
     "files": ("Files", "Ground and meshes, in and out."),
     "measure": ("Measuring", "How far a mesh is from the ground, and whether it has cracks."),

@@ -29,6 +29,7 @@ from .errors import (
     InputError,
     MissingExtraError,
     TerrainError,
+    WorkerError,
 )
 from .files.meshes.loading import load_mesh
 from .files.rasters.loading import load
@@ -49,9 +50,11 @@ from .mesh.hits import Hits
 from .mesh.mesh import Achieved, Mesh, Patches
 from .mesh.queries import MeshQueries
 from .numbered import Number, number
+from .pyramid.build import build
 from .reports.compare.compare import compare
 from .reports.compare.outcome import SweepReport
 from .reports.report import Report, report
+from .streaming.terrain import StreamingTerrain, open
 from .terrain.analysis import TileAnalysis, analyse
 from .terrain.lod import Lod, PromiseLod, Scene, Weighted
 from .terrain.lod_formulas import (
@@ -101,6 +104,7 @@ __all__ = [
     "ScreenError",
     "ScreenErrorLod",
     "Steady",
+    "StreamingTerrain",
     "SweepReport",
     "Terrain",
     "TerrainError",
@@ -108,7 +112,9 @@ __all__ = [
     "UniformLod",
     "VerticalError",
     "Weighted",
+    "WorkerError",
     "analyse",
+    "build",
     "compare",
     "crack_report",
     "curved",
@@ -119,6 +125,7 @@ __all__ = [
     "load_mesh",
     "normal_error",
     "number",
+    "open",
     "patch_errors",
     "pn_triangles",
     "pop_metric",

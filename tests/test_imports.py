@@ -21,6 +21,7 @@ ROOMS = {
     "errors": "",
     "arguments": "errors",
     "paths": "errors",
+    "tasks": "errors",
     "numbered": "errors arguments",
     "device": "errors arguments",
     "ground": "errors arguments device",
@@ -28,11 +29,15 @@ ROOMS = {
     "tessellation": "errors arguments device",
     "mesh": "errors arguments device ground",
     "files": "errors arguments paths ground mesh",
+    "sources": "errors ground files",
+    "pyramid": "errors arguments tasks sources",
     "terrain": "errors arguments numbered device ground camera tessellation mesh",
+    "streaming": "errors arguments device ground camera mesh files pyramid terrain",
     "curved": "errors arguments numbered device camera tessellation mesh files",
     "reference": "device ground camera tessellation mesh terrain",
     "measure": "errors arguments device ground camera mesh reference",
-    "drawing": "errors arguments paths device ground camera tessellation mesh terrain",
+    "drawing": """errors arguments paths device ground camera tessellation mesh terrain
+                  streaming""",
     "accessor": "ground mesh measure",
     "checks": """errors numbered device ground camera tessellation mesh terrain curved reference
                  measure""",
@@ -41,7 +46,7 @@ ROOMS = {
     "reports": """errors arguments paths numbered device ground camera mesh terrain measure drawing
                   checks""",
     "cli": """interrupts errors arguments paths numbered device ground camera tessellation mesh
-              files terrain curved measure drawing viewer reports""",
+              files sources pyramid terrain streaming curved measure drawing viewer reports""",
     "__main__": "cli",
 }
 # within a function, so that a value can offer what is written above it
@@ -56,7 +61,7 @@ WRITERS = {("mesh.mesh", "files.meshes.export")}
 # only there, so that everything else runs without them
 GUARDED = {"pyopencl": {"device"}, "rasterio": {"files.rasters.readers_gdal"}}
 # nobody waits for these on import
-HEAVY = ("pyvista", "vtkmodules", "matplotlib", "rasterio", "skimage", "scipy", "rich")
+HEAVY = ("pyvista", "vtkmodules", "matplotlib", "rasterio", "skimage", "scipy", "rich", "zarr")
 
 
 def module_of(path: Path) -> str:

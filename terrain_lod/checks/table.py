@@ -8,7 +8,18 @@ from __future__ import annotations
 
 from typing import Final
 
-from . import common, curved, curved_displaced, curved_pn, measure, mesh, promise, quadtree, terrain
+from . import (
+    common,
+    curved,
+    curved_displaced,
+    curved_pn,
+    measure,
+    mesh,
+    promise,
+    quadtree,
+    streaming,
+    terrain,
+)
 from . import tessellation as patterns
 from .check import Check
 
@@ -35,6 +46,7 @@ CHECKS: Final[dict[str, Check]] = {
     "terrain/leaves": quadtree.LEAVES,
     "terrain/joints": quadtree.JOINTS,
     "terrain/leaf_fit": quadtree.LEAF_FIT,
+    "streaming/between": streaming.BETWEEN,
     "curved/bezier": curved.BEZIER,
     "curved/bezier_curve": curved.BEZIER_CURVE,
     "curved/bezier, tangents": curved.TANGENTS,

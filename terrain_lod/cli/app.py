@@ -1,4 +1,4 @@
-"""The command line: demo, render, mesh, report, view, smooth, pattern, samples, doctor.
+"""The command line: demo, render, mesh, report, view, build, info, smooth, pattern, doctor ...
 
 Exit codes: 0 done, 2 refused with one line on stderr, 130 interrupted.
 """
@@ -37,6 +37,7 @@ from .options import (
 )
 from .output import PROGRAM, complain, log, progress_bar, say, say_table, set_verbosity, warn
 from .pattern import pattern
+from .pyramid import build, info, is_store, open_store
 from .report import report
 from .smooth import smooth
 from .view import view
@@ -56,6 +57,8 @@ app = App(
     suppress_keyboard_interrupt=False,
 )
 app.meta.suppress_keyboard_interrupt = False
+
+Memory = Annotated[str | None, Parameter(metavar="SIZE")]
 
 
 @app.command(sort_key=1)
@@ -101,6 +104,7 @@ def render(
     output: Output,
     style: Literal["shaded", "wireframe", "lod"] = "shaded",
     sun: Sun = None,
+    memory: Memory = None,
     reading: GroundOptions = GroundOptions(),  # noqa: B008
     overlay: OverlayOptions = OverlayOptions(),  # noqa: B008
     view: CameraOptions = CameraOptions(),  # noqa: B008
@@ -120,6 +124,8 @@ def render(
         is a cell of the raster, through green and blue to black where it is 64 or more.
     sun
         Where the light comes from: degrees clockwise from north, degrees above the horizon.
+    memory
+        Of a pyramid that build wrote: how much of it to hold, such as 512MB.
     """
     from ..drawing.graphics import require_graphics
     from ..drawing.picture import draw, require_png, save_png
@@ -129,6 +135,15 @@ def render(
     chosen = lod.make(terrain.tile, *filter(None, [many.beside]))
     beside = many.second(lod, terrain.tile)
     require_graphics()
+    if is_store(ground):
+        opened = open_store(ground, memory, terrain.open())
+        camera = view.over(opened.overview)
+        made = opened.mesh(camera, lod=chosen)
+        light: dict[str, Any] = {} if sun is None else {"sun": sun}
+        seen = draw(made, camera, style=style, height_range=opened.height_range, **light)
+        save_png(seen, output)
+        say(f"{output}: {_counts(made, opened.overview)}")
+        return None
     heights, added = reading.load(ground), overlay.load()
     camera = view.over(heights)
     log("%r", heights)
@@ -151,6 +166,7 @@ def mesh(
     *,
     output: Output,
     cull: Switch = False,
+    memory: Memory = None,
     reading: GroundOptions = GroundOptions(),  # noqa: B008
     overlay: OverlayOptions = OverlayOptions(),  # noqa: B008
     view: CameraOptions = CameraOptions(),  # noqa: B008
@@ -167,6 +183,8 @@ def mesh(
     cull
         Leave out patches that the camera does not see. Files are looked at from anywhere, so that
         they are whole by default.
+    memory
+        Of a pyramid that build wrote: how much of it to hold, such as 512MB.
     """
     from ..files.meshes.export import FORMATS
     from ..measure.cracks import crack_report
@@ -175,6 +193,13 @@ def mesh(
     require_folder(output)
     one_of("mesh format", output.suffix.lower(), FORMATS)
     chosen = lod.make(terrain.tile)
+    if is_store(ground):
+        opened = open_store(ground, memory, terrain.open())
+        made = opened.mesh(view.over(opened.overview), lod=chosen, cull=cull)
+        made.save(output)
+        say(f"{output}: {_counts(made, opened.overview)}")
+        say(str(crack_report(made)))
+        return
     heights, added = reading.load(ground), overlay.load()
     camera = view.over(heights)
     log("%r", heights)
@@ -215,6 +240,8 @@ app.command(report, sort_key=4)
 app.command(view, sort_key=7)
 app.command(smooth, sort_key=8)
 app.command(pattern, sort_key=9)
+app.command(build, sort_key=10)
+app.command(info, sort_key=11)
 
 
 def _counts(mesh: Any, ground: Heightmap) -> str:

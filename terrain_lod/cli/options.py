@@ -44,10 +44,10 @@ _Size = Annotated[tuple[int, int] | None, numbers("WIDTHxHEIGHT", 2)]
 _Spacing = Annotated[tuple[float, ...] | None, numbers("DX[,DY]", 1, 2)]
 _Bounds = Annotated[tuple[float, float, float, float] | None, numbers("WEST,SOUTH,EAST,NORTH", 4)]
 _Window = Annotated[tuple[float, float, float, float] | None, numbers("COLUMN,ROW,WIDTH,HEIGHT", 4)]
-_GroundSpacing = Annotated[
+GroundSpacing = Annotated[
     tuple[float, ...] | Literal["map"] | None, numbers("DX[,DY]|map", 1, 2, word="map")
 ]
-_Range = Annotated[tuple[float, float] | None, numbers("LOW,HIGH", 2)]
+HeightRange = Annotated[tuple[float, float] | None, numbers("LOW,HIGH", 2)]
 Switch = Annotated[bool, Parameter(show_default=False)]
 Output = Annotated[Path, Parameter(alias="-o", metavar="FILE")]
 OutputFolder = Annotated[Path, Parameter(alias="-o", metavar="DIR")]
@@ -70,10 +70,10 @@ _WORK: Final = Group("Tiles and device", sort_key=4)
 class GroundOptions:
     """How to read the ground."""
 
-    spacing: _GroundSpacing = None
+    spacing: GroundSpacing = None
     """Distance between samples in world units, instead of what the file says; map takes the
     file's numbers, however much its map is stretched."""
-    height_range: _Range = None
+    height_range: HeightRange = None
     """Heights that the lowest and the highest value of an image stand for."""
     nodata: float | None = None
     """Value that stands for no data, instead of what the file says."""
@@ -101,6 +101,11 @@ class GroundOptions:
                 option = "--" + next(iter(overrides)).replace("_", "-")
                 raise InputError(f"expected a file with {option}, got the sample {name!r}")
             return sample(name)
+        if (Path(name) / "zarr.json").is_file():
+            raise InputError(
+                f"expected a raster file, got the pyramid {name}: build, info, mesh and render "
+                "take it"
+            )
         if not Path(name).exists() and not Path(name).suffix:
             samples = ", ".join(sample_names())
             raise FileError(f"expected a raster file or a sample ({samples}), got {name!r}")
@@ -119,7 +124,7 @@ class OverlayOptions:
     the ground's, and becomes that of tiles and errors."""
     detail_spacing: _Spacing = None
     """Distance between its samples, instead of what the file says."""
-    detail_range: _Range = None
+    detail_range: HeightRange = None
     """Heights that the lowest and the highest value of an image of detail stand for."""
 
     def load(self) -> Heightmap | None:

@@ -11,6 +11,7 @@ from ..device.device import Device
 from ..errors import InputError
 from ..ground.heightmap import Heightmap
 from ..mesh.mesh import Mesh
+from ..streaming.terrain import StreamingTerrain
 from ..terrain.lod import Lod, PromiseLod, Weighted
 from ..terrain.terrain import Terrain
 from .drape import Drape
@@ -88,7 +89,7 @@ def render(
     --------
     >>> picture = render(tl.sample("ridge"), "ridge.png", style="lod")      # doctest: +SKIP
     """
-    instance("ground, a terrain or a mesh", what, Heightmap | Terrain | Mesh)
+    instance("ground, a terrain or a mesh", what, Heightmap | Terrain | StreamingTerrain | Mesh)
     _refuse(what, lod=lod, texture=texture, device=device)
     if style is not None:
         one_of("style", style, STYLES)
@@ -100,7 +101,11 @@ def render(
     if isinstance(what, Heightmap):
         what = Terrain(what, device=device)
     drape = None
-    if isinstance(what, Terrain):
+    if isinstance(what, StreamingTerrain):
+        height_range = height_range or what.height_range
+        camera = camera or default_camera(what.overview)
+        what = what.mesh(camera, lod=lod)
+    elif isinstance(what, Terrain):
         ground = what.ground
         drape = None if texture is None else Drape.load(file_path("texture", texture), ground)
         height_range = ground.height_range if height_range is None else height_range
@@ -124,11 +129,15 @@ def render(
     return picture
 
 
-def _refuse(what: Heightmap | Terrain | Mesh, **options: object) -> None:
+def _refuse(what: Heightmap | Terrain | StreamingTerrain | Mesh, **options: object) -> None:
     """Say which of the options that are given is not for `what`."""
     if isinstance(what, Heightmap):
         return
-    foreign = ("device",) if isinstance(what, Terrain) else ("lod", "texture", "device")
+    foreign: tuple[str, ...] = ("lod", "texture", "device")
+    if isinstance(what, Terrain):
+        foreign = ("device",)
+    elif isinstance(what, StreamingTerrain):
+        foreign = ("texture", "device")
     for name in foreign:
         if options[name] is not None:
             raise InputError(f"expected ground with {name}=, got {what!r}")
