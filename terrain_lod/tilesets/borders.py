@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from .ellipsoid import Floats, bulge
 from .levels import CELLS, Level, reach
-from .schemes import Scheme, Tile, bounds_of
+from .schemes import Scheme, Tile
 from .source import Source
 
 # what of the error a border may use
@@ -49,40 +49,59 @@ def tile_sides(source: Source, scheme: Scheme, tile: Tile, level: Level) -> tupl
     """Return the southern, northern, western and eastern side of a tile.
 
     All of a side is worked out from arrays that are the same for both of its tiles, and a corner
-    from numbers that are the same for all four.
+    from numbers that are the same for all four. Where a level has its borders from a deeper one,
+    a side is those of the tiles of that level, one after the other.
     """
-    west, south, east, north = bounds_of(scheme, tile)
-    far = reach(source, scheme, tile[0])
-    points = CELLS
-    while points < _POINTS * far * CELLS and 2 * points < level.size:
-        points *= 2
-    share = np.arange(points + 1) / points
-    corners = {
-        (lon, lat): _heights(source, np.array([lon]), np.array([lat]), far)[0]
-        for lon in (west, east)
-        for lat in (south, north)
-    }
+    z, x, y = tile
+    parts = 1 << level.deeper
+    first = x * parts, y * parts
+    far = reach(source, scheme, z + level.deeper)
     sides = []
-    for axis, line, begin, end in (
-        (0, 0, (west, south), (east, south)),
-        (0, level.size, (west, north), (east, north)),
-        (1, 0, (west, south), (west, north)),
-        (1, level.size, (east, south), (east, north)),
-    ):
-        lon = begin[0] + (end[0] - begin[0]) * share
-        lat = begin[1] + (end[1] - begin[1]) * share
-        heights = _heights(source, lon, lat, far)
-        heights[0], heights[-1] = corners[begin], corners[end]
-        middle = (begin[0] + end[0]) / 2, (begin[1] + end[1]) / 2
-        kept = kept_points(heights - bulge(lon, lat, middle), _SHARE * level.allowed)
-        places = np.rint(kept * (level.size / points)).astype(np.int64)
-        quanta = np.rint(heights[kept] / level.quantum).astype(np.int64)
-        sides.append(Side(axis, line, places, quanta))
+    for axis, line in ((0, 0), (0, 1), (1, 0), (1, 1)):
+        places, quanta = [], []
+        for part in range(parts):
+            begin = [first[0] + parts * line, first[1] + parts * line]
+            begin[axis] = first[axis] + part
+            place, quantum = _line(source, scheme, z + level.deeper, begin, axis, far, level)
+            # what one ends with, the next one begins with
+            last = None if part == parts - 1 else -1
+            places.append(place[:last] + part * (level.size // parts))
+            quanta.append(quantum[:last])
+        sides.append(Side(axis, line * level.size, np.concatenate(places), np.concatenate(quanta)))
     return tuple(sides)
 
 
-def _heights(source: Source, longitude: Floats, latitude: Floats, far: float) -> Floats:
-    return np.nan_to_num(source.heights(longitude, latitude, far), nan=0.0)
+def _line(
+    source: Source, scheme: Scheme, z: int, begin: list[int], axis: int, far: float, level: Level
+) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+    """Return places and heights of the vertices between two corners of the tiles of a level."""
+    end = list(begin)
+    end[axis] += 1
+    (west, south), (east, north) = (
+        (scheme.longitude(z, column), scheme.latitude(z, row)) for column, row in (begin, end)
+    )
+    size = level.size >> level.deeper
+    points = CELLS
+    while points < _POINTS * far * CELLS and 2 * points < size:
+        points *= 2
+    share = np.arange(points + 1) / points
+    lon, lat = west + (east - west) * share, south + (north - south) * share
+    heights = _heights(source, lon, lat, far, level)
+    for index, corner in ((0, (west, south)), (-1, (east, north))):
+        alone = (np.array([angle]) for angle in corner)
+        heights[index] = _heights(source, *alone, far, level)[0]
+    middle = (west + east) / 2, (south + north) / 2
+    # what is asked of the level that the border is from
+    allowed = level.asked / 2**level.deeper - level.rounding
+    kept = kept_points(heights - bulge(lon, lat, middle), _SHARE * allowed)
+    places = np.rint(kept * (size / points)).astype(np.int64)
+    return places, np.rint(heights[kept] / level.quantum).astype(np.int64)
+
+
+def _heights(
+    source: Source, longitude: Floats, latitude: Floats, far: float, level: Level
+) -> Floats:
+    return np.nan_to_num(source.heights(longitude, latitude, far), nan=level.bare)
 
 
 def kept_points(heights: Floats, tolerance: float) -> npt.NDArray[np.int64]:

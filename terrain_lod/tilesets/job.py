@@ -27,8 +27,12 @@ class Job:
     gzipped : bool
     skirts : bool
         Whether meshes end in walls that hide what is between two levels.
+    frozen : bool
+        Whether all levels have the borders of the deepest.
     implicit : bool
         Whether 3D Tiles are named by a rule instead of one by one.
+    encoding : str
+        How heights are packed in colours.
     about : dict
         What is said of all tiles together: where they come from and what their heights are.
     """
@@ -39,7 +43,9 @@ class Job:
     folder: Path
     gzipped: bool
     skirts: bool = False
+    frozen: bool = False
     implicit: bool = True
+    encoding: str = ""
     about: dict[str, Any] = field(default_factory=dict)
 
     @property
@@ -55,11 +61,10 @@ class Job:
     def skirt(self, z: int) -> float:
         """Return the height of the walls around tiles of a level, metres.
 
-        At any place, surfaces of two levels are no farther apart than both errors together: of
-        the two levels beside this one, the coarser is the farther.
+        At any place of a border, two levels are no farther apart than both errors together: of
+        the levels beside this one, the coarser is the farther. The coarsest has its own twice.
         """
-        beside = self.levels.get(z - 1, self.levels.get(z + 1, self.levels[z]))
-        return self.levels[z].allowed + beside.allowed
+        return self.levels[z].asked + self.levels.get(z - 1, self.levels[z]).asked
 
     def write(self, path: str, content: bytes) -> int:
         """Write a file, whole or not at all, and return its size."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
@@ -55,8 +55,9 @@ class Record:
     def of(cls, mesh: TileMesh, path: str) -> Record:
         """Return what is known of a mesh before it is written."""
         heights = mesh.heights
-        return cls(*mesh.tile, path, 0, len(mesh.triangles), mesh.error, float(heights.min()),
-                   float(heights.max()))  # fmt: skip
+        # triangles are straight, so the Earth bends away above them
+        low, high = float(heights.min()) - mesh.error, float(heights.max())
+        return cls(*mesh.tile, path, 0, len(mesh.triangles), mesh.error, low, high)
 
     @property
     def tile(self) -> Tile:
@@ -92,7 +93,8 @@ class Journal:
             entry = _parsed(line)
             if entry is not None and entry.keys() == {field.name for field in fields(Record)}:
                 record = Record(**entry)
-                if _size(folder / record.path) == record.bytes:
+                # a tile where no ground is has no file
+                if not record.path or _size(folder / record.path) == record.bytes:
                     self.done[record.tile] = record
         self._work = work
 
@@ -133,7 +135,3 @@ def _size(path: Path) -> int:
     except OSError:
         return -1
 
-
-def worst(records: Iterable[Record]) -> float:
-    """Return the largest error."""
-    return max((record.error for record in records), default=0.0)

@@ -20,20 +20,19 @@ def with_skirts(mesh: TileMesh, height: float) -> tuple[TileMesh, npt.NDArray[np
     above : (V',) int64
         The vertex that each of its vertices stands below; itself where it is not the walls'.
     """
-    size = mesh.level.size
-    sides = []
-    # counter-clockwise around the tile
-    for axis, line, forward in ((0, 0, True), (1, size, True), (0, size, False), (1, 0, False)):
-        side = np.flatnonzero(mesh.places[:, 1 - axis] == line)
-        along = np.argsort(mesh.places[side, axis])
-        sides.append(side[along if forward else along[::-1]][:-1])
-    rim = np.concatenate(sides)
-    below = len(mesh.places) + np.arange(len(rim))
-    following, below_following = np.roll(rim, -1), np.roll(below, -1)
+    begin, end = mesh.triangles.ravel(), np.roll(mesh.triangles, -1, axis=1).ravel()
+    on_border = np.zeros(len(begin), bool)
+    for axis in (0, 1):
+        for line in (0, mesh.level.size):
+            on_line = mesh.places[:, axis] == line
+            on_border |= on_line[begin] & on_line[end]
+    begin, end = begin[on_border], end[on_border]
+    rim, numbers = np.unique(np.concatenate([begin, end]), return_inverse=True)
+    below_begin, below_end = len(mesh.places) + numbers.reshape(2, -1)
     walls = np.concatenate(
         [
-            np.stack([rim, below, below_following], axis=1),
-            np.stack([rim, below_following, following], axis=1),
+            np.stack([begin, below_begin, below_end], axis=1),
+            np.stack([begin, below_end, end], axis=1),
         ]
     )
     down = int(np.ceil(height / mesh.level.quantum))

@@ -36,8 +36,6 @@ from .weld import Outline, Places
 _PATCH: Final = 4
 # what of the error the lattice's mesh may use: between its points there are samples
 _SHARE: Final = 0.8
-# height where there is no ground
-_ELLIPSOID: Final = 0.0
 # what arithmetic adds to a measured error, metres: some roundings at the Earth's size
 _ROUNDING: Final = 1e-6
 
@@ -91,19 +89,26 @@ def tile_mesh(
     longitudes, latitudes = lines(scheme, tile, CELLS)
     far = reach(source, scheme, tile[0])
     heights = source.heights(*np.meshgrid(longitudes, latitudes), far)
-    heights = np.nan_to_num(heights, nan=_ELLIPSOID)
+    heights = np.nan_to_num(heights, nan=level.bare)
     sides = tile_sides(source, scheme, tile, level)
     places, triangles = _meshed(heights, longitudes, latitudes, level, device)
     outline = Outline(places, triangles, level.size)
     for side in sides:
         outline.fit(side.axis, side.line, side.places.tolist())
-    places, triangles = _compact(*outline.result())
+    places, triangles = outline.result()
+    used, triangles = _compact(triangles)
+    places = places[used]
     quanta = np.rint(_between(heights, places / level.size * CELLS) / level.quantum)
     quanta = quanta.astype(np.int64)
     for side in sides:
         on_side = places[:, 1 - side.axis] == side.line
         along = np.searchsorted(side.places, places[on_side, side.axis])
         quanta[on_side] = side.quanta[along]
+    if level.holed:
+        bare = quanta * level.quantum < source.height_range[0] - level.allowed
+        triangles = triangles[~bare[triangles].any(axis=1)]
+        used, triangles = _compact(triangles)
+        places, quanta = places[used], quanta[used]
     return _within(source, tile, bounds, level, places, quanta, triangles)
 
 
@@ -124,10 +129,10 @@ def _meshed(
     return np.stack([columns, rows], axis=1), same.astype(np.int32)[mesh.triangles]
 
 
-def _compact(places: Places, triangles: Triangles) -> tuple[Places, Triangles]:
-    """Leave out vertices that nobody uses."""
+def _compact(triangles: Triangles) -> tuple[npt.NDArray[np.int64], Triangles]:
+    """Return the vertices that are used, and the triangles by the numbers of these."""
     used, numbers = np.unique(triangles, return_inverse=True)
-    return places[used], numbers.reshape(-1, 3).astype(np.int32)
+    return used.astype(np.int64), numbers.reshape(-1, 3).astype(np.int32)
 
 
 def _between(heights: Floats, steps: Floats) -> Floats:
@@ -156,7 +161,7 @@ def _within(
 
     worst, count, missed = 0.0, 0, []
     whole = surface()
-    for samples in source.samples(bounds):
+    for samples in source.samples(bounds) if len(triangles) else ():
         owners = whole.owners(samples, source)
         over = owners >= 0
         samples, owners = samples.chosen(over), owners[over]
@@ -187,7 +192,7 @@ def _within(
             owners = _given_to_parts(points, owners, places, triangles, parents)
             residuals = surface().residuals(left, owners)
         worst = max(worst, float(residuals.max()))
-    error = worst + _ROUNDING if count else 0.0
+    error = worst + level.rounding + _ROUNDING if count else 0.0
     return TileMesh(tile, bounds, level, places, quanta, triangles, error, count)
 
 

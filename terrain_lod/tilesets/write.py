@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Collection
-from copy import copy
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -13,17 +12,28 @@ from typing import Final
 import numpy as np
 
 from ..arguments import one_of, positive, whole
+from ..errors import InputError
 from ..ground.heightmap import Heightmap
 from ..tasks import Progress, Workers, run_tasks
+from .geoid import ELLIPSOID, above_ellipsoid
+from .glb import vertex_step
 from .globe import write_globe_tile, write_layer
 from .job import Job
 from .journal import Journal, Record
 from .levels import Level, reach
+from .place import Place
 from .quantized_mesh import MOST, smallest_quantum
-from .schemes import Geographic, Mercator, Scheme, Tile, require_within
+from .schemes import Geographic, Mercator, Region, Scheme, Tile, bounds_of, require_within
 from .source import Source
+from .terrain_rgb import write_picture, write_tilejson
+from .tileset import write_tileset, write_tileset_tile
 
-_DEEPEST: Final = 22
+DEEPEST: Final = 22
+TILINGS: Final = ("implicit", "explicit")
+_MOST_TILES: Final = 10_000_000
+# places along a tile, and the quantum of heights in metres, of formats that have no own
+_PLACES: Final = 2**14
+_FINE: Final = 2.0**-9
 
 
 @dataclass(frozen=True)
@@ -46,6 +56,9 @@ class Format:
 
 FORMATS: Final = {
     "quantized-mesh": Format("quantized-mesh 1.0", write_globe_tile, write_layer),
+    "3dtiles": Format("3D Tiles 1.1", write_tileset_tile, write_tileset),
+    "terrarium": Format("terrain-RGB, Terrarium", write_picture, write_tilejson),
+    "mapbox": Format("terrain-RGB, Mapbox", write_picture, write_tilejson),
 }
 SCHEMES: Final[dict[str, Scheme]] = {"geographic": Geographic(), "mercator": Mercator()}
 BORDERS: Final = ("none", "skirts", "frozen")
@@ -114,31 +127,79 @@ def write_tiles(
     format: str = "quantized-mesh",
     error: float | None = None,
     zoom: int | None = None,
-    scheme: str = "geographic",
+    scheme: str | None = None,
+    tiling: str | None = None,
     borders: str | None = None,
+    geoid: str = ELLIPSOID,
     gzip: bool = False,
     crs: str | None = None,
     workers: Workers = None,
     progress: Progress | None = None,
 ) -> TilesReport:
-    """Write ground as a pyramid of tiles, each with its measured error.
+    """Write ground as a pyramid of tiles for the web, each with its measured error.
+
+    The error of a tile is the largest distance, along the ellipsoid's normal, of its finished
+    triangles from the samples of the ground within it: all of them at every level, with the
+    Earth's curvature in the vertices, and after every rounding that the format makes. It is counted
+    twice, to the flat triangle and to the height that is linear between the corners, and the larger
+    counts. The deepest level is asked for `error`, each level above for twice as much as the one
+    below it. What a tile's error came to stands in the tile, in ``tiles.jsonl`` and, for 3D Tiles,
+    as its ``geometricError``.
+
+    Tiles of one level meet without gaps: what stands on a border is chosen by the heights along it
+    alone. Work that was cut off goes on where it ended when it is asked for again.
+
+    Parameters
+    ----------
+    ground : Heightmap
+        With a CRS. Without data at all at a pole, or across the 180th meridian.
+    folder : str or Path
+        Made if it is not there; empty, or with the same work begun.
+    format : {"quantized-mesh", "3dtiles", "terrarium", "mapbox"}, optional
+        ``z/x/y.terrain`` for Cesium's globe, which is the ellipsoid where there is no ground;
+        ``z/x/y.glb`` of 3D Tiles 1.1, with holes there; terrain-RGB of 256 x 256 pixels.
+    error : float, optional
+        Metres, of the deepest level. A quarter of the step between samples if not given. Pictures
+        take none: theirs is what their pixels come to, and measured as well.
+    zoom : int, optional
+        The deepest level; where not given, the first whose lattice of 256 x 256 cells a tile is as
+        fine as the samples.
+    scheme : {"geographic", "mercator"}, optional
+        Of quantized-mesh: tiles in degrees, the default, or of the square map of the web.
+    tiling : {"implicit", "explicit"}, optional
+        Of 3D Tiles: subtrees, the default, or every tile named in ``tileset.json``.
+    borders : {"none", "skirts", "frozen"}, optional
+        What is done about gaps between tiles of different levels. ``"skirts"``, the default for
+        3D Tiles: walls as high as the errors asked of a level and of the coarser one beside it,
+        together. ``"frozen"``: the deepest level's borders at all levels, for 3D Tiles alone.
+        ``"none"``, the default for quantized-mesh, whose clients make skirts themselves.
+    geoid : str, optional
+        What heights of the ground are above: ``"ellipsoid"``, so that they stay as they are;
+        ``"egm96"`` or ``"egm2008"``, whose grids PROJ must have; or the file of a grid.
+    gzip : bool, optional
+        Pack the files; a server has to say so, as ``terrain-lod serve`` does.
+    crs : str, optional
+        Of the ground, instead of what it says.
+    workers : int, executor or None, optional
+        See :func:`terrain_lod.run_tasks`.
+    progress : callable, optional
+        Called with the number of finished tiles and that of all.
+
+    Returns
+    -------
+    TilesReport
+
+    Raises
+    ------
+    InputError
+        If an argument is none of these, the ground has no CRS or lies where tiles cannot, or the
+        folder holds something else.
+    FileError
+        If a file cannot be written: what is finished stays, and the same call goes on from there.
+    MissingExtraError
+        If the CRS or the geoid needs pyproj.
     """
-    one_of("format", format, FORMATS)
-    source = Source.of(_placed(ground, crs))
-    chosen = _scheme(scheme)
-    require_within(chosen, source.bounds)
-    deepest = _deepest(source, chosen) if zoom is None else whole("zoom", zoom, 0, _DEEPEST)
-    allowed = source.step / 4 if error is None else positive("error", error)
-    quantum = smallest_quantum(*source.height_range)
-    levels = {
-        z: Level(allowed * 2.0 ** (deepest - z), quantum, MOST) for z in range(deepest + 1)
-    }
-    about = {"heights": "as in the raster, taken to be above the ellipsoid WGS 84"}
-    job = Job(source, chosen, levels, Path(folder), gzip, borders == "skirts", about=about)
-    return _write(job, format, workers, progress)
-
-
-def _write(job: Job, format: str, workers: Workers, progress: Progress | None) -> TilesReport:
+    job = _job(ground, Path(folder), format, error, zoom, scheme, tiling, borders, geoid, gzip, crs)
     tiles = [
         (z, x, y)
         for z in sorted(job.levels)
@@ -152,6 +213,8 @@ def _write(job: Job, format: str, workers: Workers, progress: Progress | None) -
         "levels": {str(z): vars(level) for z, level in job.levels.items()},
         "gzip": job.gzipped,
         "skirts": job.skirts,
+        "frozen": job.frozen,
+        "implicit": job.implicit,
         "about": job.about,
         "ground": _fingerprint(job.source.ground),
     }
@@ -165,27 +228,125 @@ def _write(job: Job, format: str, workers: Workers, progress: Progress | None) -
             journal.add(record)
     records = tuple(journal.done[tile] for tile in tiles)
     kind.finish(job, records)
-    allowed = tuple(job.levels[z].allowed for z in sorted(job.levels))
+    allowed = tuple(job.levels[z].asked for z in sorted(job.levels))
     return TilesReport(job.folder, format, records, allowed, len(left))
 
 
-def _placed(ground: Heightmap, crs: str | None) -> Heightmap:
-    if crs is None:
-        return ground
-    placed = copy(ground)
-    object.__setattr__(placed, "crs", crs)
-    return placed
+def _job(
+    ground: Heightmap,
+    folder: Path,
+    format: str,
+    error: float | None,
+    zoom: int | None,
+    scheme: str | None,
+    tiling: str | None,
+    borders: str | None,
+    geoid: str,
+    gzip: bool,
+    crs: str | None,
+) -> Job:
+    """Check everything before the first tile is made."""
+    one_of("format", format, FORMATS)
+    globe, boxes = format == "quantized-mesh", format == "3dtiles"
+    _require(globe or scheme is None, "scheme", "quantized-mesh", format)
+    _require(boxes or tiling is None, "tiling", "3dtiles", format)
+    _require(globe or boxes or borders is None, "borders", "quantized-mesh and 3dtiles", format)
+    _require(globe or boxes or error is None, "an error", "quantized-mesh and 3dtiles", format)
+    one_of("borders", borders or "none", BORDERS)
+    if globe and borders == "frozen":
+        raise InputError(
+            "expected borders none or skirts with quantized-mesh, whose places are 1/32767 of a "
+            "tile and so differ between levels, got frozen: 3dtiles have frozen ones"
+        )
+    if crs is not None:
+        ground = ground.with_crs(crs)
+    Place.of(ground.crs)
+    if geoid != ELLIPSOID:
+        ground = above_ellipsoid(ground, geoid)
+    source = Source.of(ground)
+    chosen: Scheme = Region(source.bounds) if boxes else Mercator()
+    if globe:
+        chosen = SCHEMES[one_of("scheme", scheme or "geographic", SCHEMES)]
+    require_within(chosen, source.bounds)
+    deepest = whole("zoom", zoom, 0, DEEPEST) if zoom is not None else _deepest(source, chosen)
+    allowed = source.step / 4 if error is None else positive("error", error)
+    frozen = borders == "frozen"
+    skirts = borders == "skirts" or (boxes and borders is None)
+    make = _box_level if boxes else _globe_level
+    levels = {
+        z: make(source, chosen, allowed * 2.0 ** (deepest - z), z, deepest - z, skirts, frozen)
+        for z in range(deepest + 1)
+    }
+    job = Job(
+        source,
+        chosen,
+        levels,
+        folder,
+        gzip,
+        skirts=skirts,
+        frozen=frozen,
+        implicit=one_of("tiling", tiling or "implicit", TILINGS) == "implicit",
+        encoding=format,
+        about={"heights": f"metres above the ellipsoid WGS 84; those of the raster were {_said(geoid)}"},
+    )
+    count = sum(len(columns) * len(rows) for columns, rows in map(job.tiles, levels))
+    if count > _MOST_TILES:
+        raise InputError(
+            f"expected at most {_MOST_TILES:,} tiles, got {count:,} down to level {deepest}: "
+            "choose a lower zoom"
+        )
+    return job
+
+
+def _globe_level(
+    source: Source, scheme: Scheme, asked: float, z: int, above: int, skirts: bool, frozen: bool
+) -> Level:
+    """Return a level of quantized-mesh."""
+    low, high = source.height_range
+    walls = 4 * asked if skirts else 0.0
+    quantum = smallest_quantum(min(low, 0.0) - walls, max(high, 0.0))
+    if quantum > asked / 4:
+        raise InputError(
+            f"expected an error of at least {4 * quantum / 2**above:g} m with quantized-mesh for "
+            f"heights from {low:g} to {high:g} m, got {asked / 2**above:g}: it has 32768 heights a "
+            "tile; 3dtiles have more"
+        )
+    return Level(asked, 0.0, quantum, MOST)
+
+
+def _box_level(
+    source: Source, scheme: Scheme, asked: float, z: int, above: int, skirts: bool, frozen: bool
+) -> Level:
+    """Return a level of 3D Tiles."""
+    low, high = source.height_range
+    west, south, east, north = bounds_of(scheme, (0, 0, 0))
+    # borders that all levels have are rounded alike at all levels
+    step = vertex_step(max(east - west, north - south) / (1 if frozen else 2**z))
+    if step > asked / 4:
+        raise InputError(
+            f"expected an error of at least {4 * step / 2**above:g} m for a ground so large, got "
+            f"{asked / 2**above:g}"
+        )
+    deeper = above if frozen else 0
+    # so far down that no height of a triangle between is the ground's
+    bare = low - 64 * (high - low + asked)
+    return Level(asked, step, _FINE, _PLACES << deeper, bare, holed=True, deeper=deeper)
+
+
+def _said(geoid: str) -> str:
+    if geoid == ELLIPSOID:
+        return "taken to be that, unchanged"
+    return f"above the geoid {Path(geoid).name}, whose heights were added"
+
+
+def _require(holds: bool, option: str, formats: str, got: str) -> None:
+    if not holds:
+        raise InputError(f"expected {option} with {formats} alone, got format {got}")
 
 
 def _deepest(source: Source, scheme: Scheme) -> int:
     """Return the first level whose lattice is as fine as the samples."""
-    return next(
-        (z for z in range(_DEEPEST) if reach(source, scheme, z) <= 1.0), _DEEPEST
-    )
-
-
-def _scheme(name: str) -> Scheme:
-    return SCHEMES[one_of("scheme", name, SCHEMES)]
+    return next((z for z in range(DEEPEST) if reach(source, scheme, z) <= 1.0), DEEPEST)
 
 
 def _fingerprint(ground: Heightmap) -> str:
