@@ -61,6 +61,8 @@ from .terrain.terrain import Terrain
 from .tessellation.pattern import Pattern
 from .tessellation.semi_uniform import semi_uniform
 from .tessellation.tessellator import tessellate
+from .tilesets.journal import Record as TileRecord
+from .tilesets.write import TilesReport, write_tiles
 from .viewer.view import view
 
 __all__ = [
@@ -97,6 +99,8 @@ __all__ = [
     "Terrain",
     "TerrainError",
     "TileAnalysis",
+    "TileRecord",
+    "TilesReport",
     "UniformLod",
     "VerticalError",
     "Weighted",
@@ -125,4 +129,5 @@ __all__ = [
     "tessellate",
     "vertical_error",
     "view",
+    "write_tiles",
 ]

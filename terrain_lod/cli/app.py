@@ -1,4 +1,5 @@
-"""The command line: demo, render, mesh, report, view, smooth, pattern, samples, doctor.
+"""The command line: demo, render, mesh, report, view, smooth, pattern, tiles, serve,
+samples, doctor.
 
 Exit codes: 0 done, 2 refused with one line on stderr, 130 interrupted.
 """
@@ -45,6 +46,7 @@ from .output import (
 from .pattern import pattern
 from .report import report
 from .smooth import smooth
+from .tiles import serve, tiles
 from .view import view
 
 REFUSED: Final = 2
@@ -223,6 +225,8 @@ app.command(report, sort_key=4)
 app.command(view, sort_key=7)
 app.command(smooth, sort_key=8)
 app.command(pattern, sort_key=9)
+app.command(tiles, sort_key=10)
+app.command(serve, sort_key=11)
 
 
 def _counts(mesh: Any, ground: Heightmap) -> str:

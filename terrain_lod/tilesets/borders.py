@@ -88,8 +88,8 @@ def _line(
     lon, lat = west + (east - west) * share, south + (north - south) * share
     heights = _heights(source, lon, lat, far, level)
     for index, corner in ((0, (west, south)), (-1, (east, north))):
-        alone = (np.array([angle]) for angle in corner)
-        heights[index] = _heights(source, *alone, far, level)[0]
+        alone = np.array([corner[0]]), np.array([corner[1]])
+        heights[index] = _heights(source, alone[0], alone[1], far, level)[0]
     middle = (west + east) / 2, (south + north) / 2
     # what is asked of the level that the border is from
     allowed = level.asked / 2**level.deeper - level.rounding

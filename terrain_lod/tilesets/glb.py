@@ -58,6 +58,8 @@ def glb(mesh: TileMesh, normals: Floats, step: float, extras: dict[str, Any]) ->
         buffer_views.append({"buffer": 0, "byteOffset": len(content), "byteLength": view.nbytes,
                              "target": target})  # fmt: skip
         content += view.tobytes() + b"\0" * (-view.nbytes % 4)
+    # 3D Tiles wants files of a multiple of 8 bytes; what stands before is 28 and a multiple of 8
+    content += b"\0" * (-(28 + len(content)) % 8)
     index = _UNSIGNED_SHORT if corners.dtype.itemsize == 2 else _UNSIGNED_INT
     vectors = {"componentType": _FLOAT, "count": len(points), "type": "VEC3"}
     document = {
@@ -80,9 +82,7 @@ def glb(mesh: TileMesh, normals: Floats, step: float, extras: dict[str, Any]) ->
         "buffers": [{"byteLength": len(content)}],
     }  # fmt: skip
     text = json.dumps(document, separators=(",", ":"), allow_nan=False).encode()
-    # 3D Tiles wants the content to end at a multiple of 8
     text += b" " * (-len(text) % 8)
-    content += b"\0" * (-(20 + len(text) + 8 + len(content)) % 8)
     total = 12 + 8 + len(text) + 8 + len(content)
     return b"".join(
         [

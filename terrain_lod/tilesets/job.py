@@ -31,8 +31,10 @@ class Job:
         Whether all levels have the borders of the deepest.
     implicit : bool
         Whether 3D Tiles are named by a rule instead of one by one.
+    picture : bool
+        Whether tiles are pictures.
     encoding : str
-        How heights are packed in colours.
+        How heights are packed in their colours.
     about : dict
         What is said of all tiles together: where they come from and what their heights are.
     """
@@ -45,6 +47,7 @@ class Job:
     skirts: bool = False
     frozen: bool = False
     implicit: bool = True
+    picture: bool = False
     encoding: str = ""
     about: dict[str, Any] = field(default_factory=dict)
 

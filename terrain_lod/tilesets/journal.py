@@ -1,7 +1,7 @@
 """What of a folder of tiles is finished: one line of JSON for each tile, behind one for the work.
 
-A tile's line is written after its file, which appears whole. So what the journal names is there, and
-work that was cut off goes on where it ended.
+A tile's line is written after its file, which appears whole. So what the journal names is there,
+and work that was cut off goes on where it ended.
 """
 
 from __future__ import annotations
@@ -134,4 +134,3 @@ def _size(path: Path) -> int:
         return os.stat(path).st_size
     except OSError:
         return -1
-

@@ -26,7 +26,7 @@ def vertex_normals(source: Source, scheme: Scheme, mesh: TileMesh) -> Floats:
 
     metres_east, metres_north = radii(lat)
     east, north = slope(1, 0, metres_east), slope(0, 1, metres_north)
-    lo, la = np.radians(lon), np.radians(lat)
+    lo = np.radians(lon)
     eastwards = np.stack([-np.sin(lo), np.cos(lo), np.zeros_like(lo)], axis=1)
     up = upwards(lon, lat)
     northwards = np.cross(up, eastwards)

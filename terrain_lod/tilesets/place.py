@@ -91,7 +91,9 @@ class Place:
             there = Transformer.from_crs(crs, "EPSG:4326", always_xy=True)
         except CRSError as error:
             reason = " ".join(str(error).split())[:200]
-            raise InputError(f"expected a CRS that PROJ knows, got {crs[:60]!r}: {reason}") from None
+            raise InputError(
+                f"expected a CRS that PROJ knows, got {crs[:60]!r}: {reason}"
+            ) from None
 
         def transform(direction: str) -> Transform:
             def apply(x: Floats, y: Floats) -> tuple[Floats, Floats]:

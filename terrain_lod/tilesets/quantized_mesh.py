@@ -8,10 +8,10 @@
     edges       west, south, east, north: count | vertices                        uint16, uint32
     extensions  number | length | bytes: 1 normals in two bytes, 4 metadata
 
-Written here rather than with a library, for two reasons. Heights are whole multiples of one quantum
-in all tiles, so that neighbours decode to the same bits; the format's lowest and highest height only
-say where the 32768 steps begin and how long they are. And earth-centred numbers are float64
-throughout: in float32 they would lose half a metre.
+Written here rather than with a library, for two reasons. Heights are whole multiples of one
+quantum in all tiles of a level, so that neighbours decode to the same bits; the format's lowest and
+highest height only say where the 32768 steps begin and how long they are. And earth-centred numbers
+are float64 throughout: in float32 they would lose half a metre.
 
 Cesium: *quantized-mesh-1.0 terrain format*; the horizon point after Ring, *Horizon Culling*, 2013.
 """
@@ -107,7 +107,7 @@ def quantized_mesh(
 def _by_first_use(
     triangles: npt.NDArray[np.int32],
 ) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
-    """Return vertices in the order in which triangles ask for them, and triangles of their numbers."""
+    """Return vertices in the order of their first use, and triangles by that order."""
     used, first, inverse = np.unique(triangles, return_index=True, return_inverse=True)
     rank = np.argsort(first)
     number = np.empty(len(used), np.int64)
@@ -153,7 +153,8 @@ def _below_highest(triangles: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
 def octahedral(normals: Floats) -> npt.NDArray[np.uint8]:
     """Return unit vectors in two bytes each, (V, 2): the octahedron unfolded into a square.
 
-    Cigolle, Donow et al.: *A Survey of Efficient Representations for Independent Unit Vectors*, 2014.
+    Cigolle, Donow et al.: *A Survey of Efficient Representations for Independent Unit Vectors*,
+    2014.
     """
     flat = normals / np.abs(normals).sum(axis=1)[:, None]
     x, y, z = flat.T
@@ -166,7 +167,7 @@ def octahedral(normals: Floats) -> npt.NDArray[np.uint8]:
         ],
         axis=1,
     )
-    return np.rint((np.clip(square, -1, 1) + 1) / 2 * 255).astype(np.uint8)
+    return np.asarray(np.rint((np.clip(square, -1, 1) + 1) / 2 * 255), np.uint8)
 
 
 def _horizon_point(points: Floats, centre: Floats) -> Floats:

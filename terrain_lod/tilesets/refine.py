@@ -39,9 +39,7 @@ class Cut:
     hopeless: Numbers
 
 
-def insert(
-    places: Places, triangles: Triangles, owners: Numbers, points: Places, size: int
-) -> Cut:
+def insert(places: Places, triangles: Triangles, owners: Numbers, points: Places, size: int) -> Cut:
     """Make points vertices, each of the triangle that owns it.
 
     Of points in triangles that share what is to be cut, the first ones are put in.

@@ -116,7 +116,7 @@ class Surface:
         lengths = np.maximum(stop_x - begin_x, 0)
         owner = np.full(height * width, -1, np.int64)
         owner[_runs(row * width + begin_x, lengths)] = np.repeat(triangle, lengths)
-        return owner[(samples.rows - top) * width + samples.columns - left]
+        return np.asarray(owner[(samples.rows - top) * width + samples.columns - left])
 
 
 def _runs(starts: npt.NDArray[np.int64], lengths: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:

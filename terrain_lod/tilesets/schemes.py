@@ -47,10 +47,10 @@ class Geographic:
     roots: int = 2
 
     def longitude(self, z: int, x: int) -> float:
-        return -180.0 + x * (180.0 / 2**z)
+        return -180.0 + x * (180.0 / (1 << z))
 
     def latitude(self, z: int, y: int) -> float:
-        return -90.0 + y * (180.0 / 2**z)
+        return -90.0 + y * (180.0 / (1 << z))
 
 
 @dataclass(frozen=True)
@@ -60,10 +60,10 @@ class Mercator:
     roots: int = 1
 
     def longitude(self, z: int, x: int) -> float:
-        return -180.0 + x * (360.0 / 2**z)
+        return -180.0 + x * (360.0 / (1 << z))
 
     def latitude(self, z: int, y: int) -> float:
-        return math.degrees(math.atan(math.sinh(math.pi * (y / 2 ** (z - 1) - 1))))
+        return math.degrees(math.atan(math.sinh(math.pi * (2 * y / (1 << z) - 1))))
 
 
 @dataclass(frozen=True)
@@ -75,11 +75,11 @@ class Region:
 
     def longitude(self, z: int, x: int) -> float:
         west, _, east, _ = self.bounds
-        return west + (east - west) * (x / 2**z)
+        return west + (east - west) * (x / (1 << z))
 
     def latitude(self, z: int, y: int) -> float:
         _, south, _, north = self.bounds
-        return south + (north - south) * (y / 2**z)
+        return south + (north - south) * (y / (1 << z))
 
 
 def bounds_of(scheme: Scheme, tile: Tile) -> Bounds:

@@ -93,7 +93,7 @@ class Source:
 
     @property
     def step(self) -> float:
-        """Metres on the Earth between samples in the middle of the ground, the mean of both axes."""
+        """Metres on the Earth between samples in the middle of the ground, of both axes."""
         rows, columns = self.ground.shape
         row = np.array([rows // 2, rows // 2, rows // 2 - 1], np.float64)
         column = np.array([columns // 2, columns // 2 - 1, columns // 2], np.float64)

@@ -5,8 +5,8 @@
     "subt", 1, bytes of JSON, bytes behind it | JSON | bits: tiles, contents, child subtrees
                                                      | float64: errors, lowest, highest
 
-Tiles of a subtree stand level by level, those of a level in Morton's order: the bits of x and y take
-turns, x first from below. Open Geospatial Consortium: *3D Tiles 1.1*, section 8, 22-025r4.
+Tiles of a subtree stand level by level, those of a level in Morton's order: the bits of x and y
+take turns, x first from below. Open Geospatial Consortium: *3D Tiles 1.1*, section 8, 22-025r4.
 """
 
 from __future__ import annotations

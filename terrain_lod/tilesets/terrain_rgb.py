@@ -6,7 +6,7 @@
     mapbox      height = (65536 red + 256 green + blue) / 10 - 10000     steps of 0.1 m
 
 Pixels stand for heights at their middles. A tile's error is that of the surface bilinear between
-them, those of the next tiles included, at every sample; lowest and highest are those of the samples.
+them, those of the next tiles included, at every sample; lowest and highest are samples, too.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def write_picture(job: Job, tile: Tile) -> Record:
     step, zero = ENCODINGS[job.encoding]
     heights = _heights(job, tile)
     numbers = np.clip(np.rint((heights - zero) / step), 0, 2**24 - 1).astype(np.int64)
-    record = _measured(job, tile, numbers * step + zero)
+    record = _measured(job, tile, np.asarray(numbers * step + zero, np.float64))
     inside = numbers[1:-1, 1:-1]
     colours = np.stack([inside >> 16, inside >> 8 & 255, inside & 255], axis=-1)
     file = io.BytesIO()
@@ -83,10 +83,15 @@ def _heights(job: Job, tile: Tile) -> Floats:
     # nothing is asked for where no ground can be
     west, south, east, north = job.source.bounds
     rim = (far + 2) * job.source.step / 1e4
-    across, down = (lon > west - rim) & (lon < east + rim), (lat > south - rim) & (lat < north + rim)
+    across = (lon > west - rim) & (lon < east + rim)
+    down = (lat > south - rim) & (lat < north + rim)
+        (lon > west - rim) & (lon < east + rim),
+        (lat > south - rim) & (lat < north + rim),
+    )
     heights = np.full((len(lat), len(lon)), np.nan)
     if across.any() and down.any():
-        known = job.source.heights(*np.meshgrid(lon[across], lat[down]), far)
+        longitudes, latitudes = np.meshgrid(lon[across], lat[down])
+        known = job.source.heights(longitudes, latitudes, far)
         heights[np.ix_(down, across)] = known
     parts = heights.reshape(PIXELS + 2, finer, PIXELS + 2, finer)
     there = np.isfinite(parts)

@@ -1,4 +1,4 @@
-"""The mesh of one tile: meshed with a promise, its border frozen, measured, and mended where need be.
+"""The mesh of one tile: made with a promise, given its borders, measured, and mended.
 
 ::
 
@@ -78,7 +78,7 @@ class TileMesh:
     @property
     def heights(self) -> Floats:
         """Metres above the ellipsoid; (V,)."""
-        return self.quanta * self.level.quantum
+        return np.asarray(self.quanta * self.level.quantum, np.float64)
 
 
 def tile_mesh(
@@ -157,7 +157,8 @@ def _within(
     """Measure a mesh, and put samples into the triangles that are too far from theirs."""
 
     def surface() -> Surface:
-        return Surface.of(bounds, level.size, places, quanta * level.quantum, triangles)
+        heights = np.asarray(quanta * level.quantum, np.float64)
+        return Surface.of(bounds, level.size, places, heights, triangles)
 
     worst, count, missed = 0.0, 0, []
     whole = surface()
@@ -210,7 +211,7 @@ def _worst_of_each(
     numbers = np.flatnonzero(among)
     order = numbers[np.lexsort([residuals[numbers], owners[numbers]])]
     last = np.append(owners[order][1:] != owners[order][:-1], True)
-    return order[last]
+    return np.asarray(order[last])
 
 
 def _given_to_parts(

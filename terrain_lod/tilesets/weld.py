@@ -31,7 +31,7 @@ class Outline:
     """
 
     def __init__(self, places: Places, triangles: Triangles, size: int) -> None:
-        self.places = [(x, y) for x, y in places.tolist()]
+        self.places: list[tuple[int, int]] = [(x, y) for x, y in places.tolist()]
         self.size = size
         on_border = ((places == 0) | (places == size)).any(axis=1)
         near = on_border[triangles].any(axis=1)
@@ -138,9 +138,7 @@ class Outline:
             apex = ring[index]
             area = self._area(last, first, apex)
             if area > 0 and not any(
-                self._within(other, last, first, apex)
-                for other in ring[1:-1]
-                if other != apex
+                self._within(other, last, first, apex) for other in ring[1:-1] if other != apex
             ):
                 # the apex that sees the edge under the widest angle: Delaunay's choice
                 choices.append((self._cosine(last, first, apex), index))

@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Final
+from typing import ClassVar, Final
 
 import numpy as np
 
@@ -74,8 +74,8 @@ class TilesReport:
     format : str
     records : tuple of Record
         All tiles, level by level.
-    allowed : tuple of float
-        Error asked for at each level, metres; the first is that of level 0.
+    asked : tuple of float
+        Error asked for at each level, metres; of pictures none is.
     made : int
         Tiles made now; the others were there.
     """
@@ -83,7 +83,7 @@ class TilesReport:
     folder: Path
     format: str
     records: tuple[Record, ...]
-    allowed: tuple[float, ...]
+    asked: tuple[float, ...]
     made: int
 
     @property
@@ -96,9 +96,11 @@ class TilesReport:
         deepest = self.records[-1].z
         return max(record.error for record in self.records if record.z == deepest)
 
+    columns: ClassVar = ("level", "tiles", "triangles", "bytes", "asked", "measured")
+
     def rows(self) -> list[tuple[str, ...]]:
-        """Return level, tiles, triangles, bytes, error asked for and largest error, as text."""
-        table = []
+        """Return what became of each level, as text, by :attr:`columns`."""
+        table: list[tuple[str, ...]] = []
         for z in sorted({record.z for record in self.records}):
             level = [record for record in self.records if record.z == z]
             table.append(
@@ -107,7 +109,7 @@ class TilesReport:
                     f"{len(level):,}",
                     f"{sum(record.triangles for record in level):,}",
                     f"{sum(record.bytes for record in level):,}",
-                    f"{self.allowed[z]:.4g} m",
+                    f"{self.asked[z]:.4g} m" if self.asked else "",
                     f"{max(record.error for record in level):.4g} m",
                 )
             )
@@ -228,8 +230,8 @@ def write_tiles(
             journal.add(record)
     records = tuple(journal.done[tile] for tile in tiles)
     kind.finish(job, records)
-    allowed = tuple(job.levels[z].asked for z in sorted(job.levels))
-    return TilesReport(job.folder, format, records, allowed, len(left))
+    asked = () if job.picture else tuple(job.levels[z].asked for z in sorted(job.levels))
+    return TilesReport(job.folder, format, records, asked, len(left))
 
 
 def _job(
@@ -287,7 +289,10 @@ def _job(
         frozen=frozen,
         implicit=one_of("tiling", tiling or "implicit", TILINGS) == "implicit",
         encoding=format,
-        about={"heights": f"metres above the ellipsoid WGS 84; those of the raster were {_said(geoid)}"},
+        picture=not (globe or boxes),
+        about={
+            "heights": f"metres above the ellipsoid WGS 84; those of the raster were {_said(geoid)}"
+        },
     )
     count = sum(len(columns) * len(rows) for columns, rows in map(job.tiles, levels))
     if count > _MOST_TILES:
@@ -335,8 +340,8 @@ def _box_level(
 
 def _said(geoid: str) -> str:
     if geoid == ELLIPSOID:
-        return "taken to be that, unchanged"
-    return f"above the geoid {Path(geoid).name}, whose heights were added"
+        return "metres above the ellipsoid WGS 84, as which those of the raster were taken"
+    return f"metres above the ellipsoid WGS 84: the raster's, and the geoid {Path(geoid).name}'s"
 
 
 def _require(holds: bool, option: str, formats: str, got: str) -> None:

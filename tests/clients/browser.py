@@ -41,8 +41,9 @@ FLAGS = (
 def library(name: str) -> Path:
     """Return npm's copy of a library, or skip the test and say what is missing."""
     folder = Path(os.environ.get("NODE_PATH", "")) / name
+    npm = f"NODE_PATH with {name} (npm install {name})"
     wanted = {"chromium": shutil.which("chromium"), "chromedriver": shutil.which("chromedriver"),
-              f"NODE_PATH with {name} (npm install {name})": folder.is_dir() and "there"}  # fmt: skip
+              npm: folder.is_dir() and "there"}  # fmt: skip
     missing = [what for what, found in wanted.items() if not found]
     if missing:
         pytest.skip(f"real clients need {', '.join(missing)}")
@@ -61,7 +62,7 @@ class Page:
         done = self.driver.execute_async_script(
             "const [given, done] = [[...arguments].slice(0, -1), arguments[arguments.length - 1]];"
             f"(async (...given) => {{ {script} }})(...given)"
-            ".then(value => done({ value }), error => done({ error: String(error.stack || error) }))",
+            ".then(value => done({ value }), error => done({ error: String(error.stack) }))",
             *arguments,
         )
         assert "error" not in done, done["error"]
