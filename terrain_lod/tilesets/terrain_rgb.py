@@ -85,9 +85,6 @@ def _heights(job: Job, tile: Tile) -> Floats:
     rim = (far + 2) * job.source.step / 1e4
     across = (lon > west - rim) & (lon < east + rim)
     down = (lat > south - rim) & (lat < north + rim)
-        (lon > west - rim) & (lon < east + rim),
-        (lat > south - rim) & (lat < north + rim),
-    )
     heights = np.full((len(lat), len(lon)), np.nan)
     if across.any() and down.any():
         longitudes, latitudes = np.meshgrid(lon[across], lat[down])

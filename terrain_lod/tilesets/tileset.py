@@ -41,9 +41,8 @@ def write_tileset(job: Job, records: Collection[Record]) -> None:
     """Write what a client asks for first, and the subtrees."""
     by_tile = {record.tile: record for record in records}
     there = _there(by_tile)
-    known = {
-        tile: _with_range(by_tile, there, tile) for tile in sorted(there, reverse=True)
-    }  # from the deepest up
+    # from the deepest level up
+    known = {tile: _with_range(by_tile, there, tile) for tile in sorted(there, reverse=True)}
     root = known[0, 0, 0]
     document: dict[str, Any] = {
         "asset": {"version": "1.1", "generator": "terrain_lod", "extras": job.about},

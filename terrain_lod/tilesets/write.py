@@ -290,9 +290,7 @@ def _job(
         implicit=one_of("tiling", tiling or "implicit", TILINGS) == "implicit",
         encoding=format,
         picture=not (globe or boxes),
-        about={
-            "heights": f"metres above the ellipsoid WGS 84; those of the raster were {_said(geoid)}"
-        },
+        about={"heights": _said(geoid)},
     )
     count = sum(len(columns) * len(rows) for columns, rows in map(job.tiles, levels))
     if count > _MOST_TILES:
