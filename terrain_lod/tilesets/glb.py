@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .ellipsoid import AXIS, Floats, earth_centred
-from .tile_mesh import TileMesh
+from .mend import TileMesh
 
 _MAGIC: Final = b"glTF"
 _FLOAT, _UNSIGNED_SHORT, _UNSIGNED_INT = 5126, 5123, 5125

@@ -16,8 +16,8 @@ from typing import Any, Final
 
 from ..errors import FileError, InputError
 from ..paths import require_made
+from .mend import TileMesh
 from .schemes import Tile
-from .tile_mesh import TileMesh
 
 NAME: Final = "tiles.jsonl"
 

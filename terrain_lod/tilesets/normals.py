@@ -6,9 +6,9 @@ import numpy as np
 
 from .ellipsoid import Floats, radii, upwards
 from .levels import CELLS
+from .mend import TileMesh
 from .schemes import Scheme
 from .source import Source
-from .tile_mesh import TileMesh
 
 
 def vertex_normals(source: Source, scheme: Scheme, mesh: TileMesh) -> Floats:

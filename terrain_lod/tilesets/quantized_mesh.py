@@ -27,7 +27,7 @@ import numpy.typing as npt
 
 from ..errors import InputError
 from .ellipsoid import AXIS, POLAR_AXIS, Floats, earth_centred
-from .tile_mesh import TileMesh
+from .mend import TileMesh
 
 MOST: Final = 32767
 _HEADER: Final = struct.Struct("<3d2f4d3d")

@@ -61,25 +61,26 @@ class Surface:
 
     def residuals(self, samples: Samples, owners: npt.NDArray[np.int64]) -> Floats:
         """Return the distance of each sample from its triangle; (S,)."""
-        lon, lat, owners = samples.longitude, samples.latitude, owners
-        up = upwards(lon, lat)
-        centre = on_ellipsoid(upwards(self.middle[0], self.middle[1]))
-        points = earth_centred(self.longitude, self.latitude, self.height) - centre
+        lon, lat = samples.longitude, samples.latitude
+        used, owners = np.unique(owners, return_inverse=True)
+        corners = self.triangles[used]
+        x, y, z = self.longitude[corners], self.latitude[corners], self.height[corners]
+        # around the tile's middle, where numbers are small
+        middle = on_ellipsoid(upwards(self.middle[0], self.middle[1]))
+        a, b, c = np.moveaxis(earth_centred(x, y, z) - middle, 1, 0)
         # the plane of each triangle: normal . point = constant
-        a, b, c = (points[self.triangles[:, corner]] for corner in range(3))
         normals = np.cross(b - a, c - a)
         constants = np.einsum("ij,ij->i", normals, a)
-        normal = normals[owners]
-        over = constants[owners] - np.einsum("ij,ij->i", normal, on_ellipsoid(up) - centre)
+        up, normal = upwards(lon, lat), normals[owners]
+        over = constants[owners] - np.einsum("ij,ij->i", normal, on_ellipsoid(up) - middle)
         drawn = over / np.einsum("ij,ij->i", normal, up)
-        x, y, z = self.longitude, self.latitude, self.height
-        i, j, k = self.triangles.T
-        # height = z_i + slope . (place - place_i)
-        ux, uy, vx, vy = x[j] - x[i], y[j] - y[i], x[k] - x[i], y[k] - y[i]
-        area, up_u, up_v = ux * vy - uy * vx, z[j] - z[i], z[k] - z[i]
-        east, north = (up_u * vy - up_v * uy) / area, (up_v * ux - up_u * vx) / area
-        linear = z[i][owners] + east[owners] * (lon - x[i][owners])
-        linear += north[owners] * (lat - y[i][owners])
+        # height = that of the first corner + slope . (place - its place)
+        ux, uy, rise_u = (values[:, 1] - values[:, 0] for values in (x, y, z))
+        vx, vy, rise_v = (values[:, 2] - values[:, 0] for values in (x, y, z))
+        area = ux * vy - uy * vx
+        east, north = (rise_u * vy - rise_v * uy) / area, (rise_v * ux - rise_u * vx) / area
+        linear = z[owners, 0] + east[owners] * (lon - x[owners, 0])
+        linear += north[owners] * (lat - y[owners, 0])
         return np.asarray(np.maximum(abs(drawn - samples.height), abs(linear - samples.height)))
 
     def owners(self, samples: Samples, source: Source) -> npt.NDArray[np.int64]:

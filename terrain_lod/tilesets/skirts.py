@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from .tile_mesh import TileMesh
+from .mend import TileMesh
 
 
 def with_skirts(mesh: TileMesh, height: float) -> tuple[TileMesh, npt.NDArray[np.int64]]:

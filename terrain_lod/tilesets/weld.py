@@ -31,7 +31,7 @@ class Outline:
     """
 
     def __init__(self, places: Places, triangles: Triangles, size: int) -> None:
-        self.places: list[tuple[int, int]] = [(x, y) for x, y in places.tolist()]
+        self.places: list[list[int]] = places.tolist()
         self.size = size
         on_border = ((places == 0) | (places == size)).any(axis=1)
         near = on_border[triangles].any(axis=1)
@@ -101,7 +101,7 @@ class Outline:
         made = {}
         for place in inside:
             made[place] = len(self.places)
-            self.places.append((place, line) if axis == 0 else (line, place))
+            self.places.append([place, line] if axis == 0 else [line, place])
         chain = [a, *made.values(), b]
         # the triangle ran a, b, apex or b, a, apex
         turn = corners[(corners.index(a) + 1) % 3] == b
@@ -133,19 +133,17 @@ class Outline:
         if len(ring) < 3:
             return []
         first, last = ring[0], ring[-1]
-        choices = []
-        for index in range(1, len(ring) - 1):
+        # the apex that sees the edge under the widest angle is Delaunay's choice
+        choices = sorted(range(1, len(ring) - 1), key=lambda i: self._cosine(last, first, ring[i]))
+        for index in choices:
             apex = ring[index]
-            area = self._area(last, first, apex)
-            if area > 0 and not any(
+            if self._area(last, first, apex) <= 0 or any(
                 self._within(other, last, first, apex) for other in ring[1:-1] if other != apex
             ):
-                # the apex that sees the edge under the widest angle: Delaunay's choice
-                choices.append((self._cosine(last, first, apex), index))
-        for _, index in sorted(choices):
+                continue
             left, right = self._cut(ring[: index + 1]), self._cut(ring[index:])
             if left is not None and right is not None:
-                return [(last, first, ring[index]), *left, *right]
+                return [(last, first, apex), *left, *right]
         return None
 
     def _area(self, a: int, b: int, c: int) -> int:
