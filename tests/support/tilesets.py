@@ -46,6 +46,15 @@ def degrees(ground):
     return np.stack([lon, lat, ground.elevation[row, column]], axis=1)
 
 
+def places(ground, count=200):
+    """Return some samples, none on the outermost line: there a client's float32 decides."""
+    samples = degrees(ground)
+    inner = (samples[:, :2] > samples[:, :2].min(axis=0)) & (
+        samples[:, :2] < samples[:, :2].max(axis=0)
+    )
+    return np.random.default_rng(15).choice(samples[inner.all(axis=1)], count, replace=False)
+
+
 @dataclass(frozen=True)
 class Decoded:
     """A tile: vertices as longitude, latitude, height; (V, 3)."""
