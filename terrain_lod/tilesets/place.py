@@ -30,12 +30,15 @@ class Place:
 
     Attributes
     ----------
+    crs : str
+        As the ground has it.
     name : str
-        Of the CRS, for people.
+        What it is called.
     to_degrees, from_degrees : callable
         From two arrays to two of the same shape.
     """
 
+    crs: str
     name: str
     to_degrees: Transform
     from_degrees: Transform
@@ -68,17 +71,22 @@ class Place:
             known = local["map"]
         inner = cls._named(known)
         return cls(
+            crs,
             known,
             lambda x, y: inner.to_degrees(x / scale[0], y / scale[1]),
             lambda lon, lat: _times(inner.from_degrees(lon, lat), scale),
         )
 
+    def __reduce__(self) -> tuple[Callable[[str], Place], tuple[str]]:
+        # functions of PROJ are made anew where this is sent to
+        return Place.of, (self.crs,)
+
     @classmethod
     def _named(cls, crs: str) -> Place:
         if crs.upper() in _DEGREES:
-            return cls(crs, _same, _same)
+            return cls(crs, crs, _same, _same)
         if crs.upper() in _MERCATOR:
-            return cls(crs, _from_mercator, _to_mercator)
+            return cls(crs, crs, _from_mercator, _to_mercator)
         try:
             from pyproj import Transformer
             from pyproj.exceptions import CRSError
@@ -102,7 +110,7 @@ class Place:
 
             return apply
 
-        return cls(crs, transform("FORWARD"), transform("INVERSE"))
+        return cls(crs, crs, transform("FORWARD"), transform("INVERSE"))
 
 
 def _same(x: Floats, y: Floats) -> tuple[Floats, Floats]:
