@@ -7,6 +7,7 @@ cut in two as well, and so is this one. Borders of the tile are left alone.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +16,9 @@ from .residuals import Triangles
 from .weld import Places
 
 Numbers = npt.NDArray[np.int64]
+
+# steps of the grid: no point is put so close to a side, but into the side
+_NEAR: Final = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,10 +60,10 @@ def insert(places: Places, triangles: Triangles, owners: Numbers, points: Places
     corners = places[triangles[owners]]
     areas = _areas(corners, points)
     lengths = np.linalg.norm(np.roll(corners, -1, axis=1) - np.roll(corners, 1, axis=1), axis=2)
-    # a sample was rounded to the grid: so close to a side it may be on either, and stands on it
+    # a sample was rounded to the grid: so close to a side it stands on it, or leaves a sliver
     opposite = (areas / lengths).argmin(axis=1)
     row = np.arange(len(points))
-    near = areas[row, opposite] <= lengths[row, opposite]
+    near = areas[row, opposite] <= _NEAR * lengths[row, opposite]
     others = _beyond(triangles, len(places), triangles[owners], opposite)
     apex, first, second = (triangles[owners, (opposite + i) % 3] for i in range(3))
     far = np.where(others < 0, apex, triangles[others].sum(axis=1) - first - second)
@@ -109,8 +113,7 @@ def _beyond(
     keys = (starts * vertices + ends).ravel()
     order = np.argsort(keys)
     row = np.arange(len(triangles))
-    first = triangles[row, (corners + 1) % 3].astype(np.int64)
-    second = triangles[row, (corners + 2) % 3]
+    first, second = (triangles[row, (corners + i) % 3].astype(np.int64) for i in (1, 2))
     wanted = second * vertices + first
     at = order[np.minimum(np.searchsorted(keys, wanted, sorter=order), len(keys) - 1)]
     return np.where(keys[at] == wanted, at // 3, -1)
