@@ -11,29 +11,17 @@ from typing import ClassVar, Final
 
 import numpy as np
 
-from ..arguments import one_of, positive, whole
-from ..errors import InputError
+from ..arguments import one_of
 from ..ground.heightmap import Heightmap
 from ..tasks import Progress, Workers, run_tasks
-from .geoid import ELLIPSOID, above_ellipsoid
-from .glb import vertex_step
+from .geoid import ELLIPSOID
 from .globe import write_globe_tile, write_layer
 from .job import Job
 from .journal import Journal, Record
-from .levels import Level, reach
-from .place import Place
-from .quantized_mesh import MOST, smallest_quantum
-from .schemes import Geographic, Mercator, Region, Scheme, Tile, bounds_of, require_within
-from .source import Source
+from .plan import planned
+from .schemes import Tile
 from .terrain_rgb import write_picture, write_tilejson
 from .tileset import write_tileset, write_tileset_tile
-
-DEEPEST: Final = 22
-TILINGS: Final = ("implicit", "explicit")
-_MOST_TILES: Final = 10_000_000
-# places along a tile, and the quantum of heights in metres, of formats that have no own
-_PLACES: Final = 2**14
-_FINE: Final = 2.0**-9
 
 
 @dataclass(frozen=True)
@@ -60,8 +48,6 @@ FORMATS: Final = {
     "terrarium": Format("terrain-RGB, Terrarium", write_picture, write_tilejson),
     "mapbox": Format("terrain-RGB, Mapbox", write_picture, write_tilejson),
 }
-SCHEMES: Final[dict[str, Scheme]] = {"geographic": Geographic(), "mercator": Mercator()}
-BORDERS: Final = ("none", "skirts", "frozen")
 
 
 @dataclass(frozen=True)
@@ -201,7 +187,19 @@ def write_tiles(
     MissingExtraError
         If the CRS or the geoid needs pyproj.
     """
-    job = _job(ground, Path(folder), format, error, zoom, scheme, tiling, borders, geoid, gzip, crs)
+    one_of("format", format, FORMATS)
+    job = planned(
+        ground if crs is None else ground.with_crs(crs),
+        Path(folder),
+        format=format,
+        error=error,
+        zoom=zoom,
+        scheme=scheme,
+        tiling=tiling,
+        borders=borders,
+        geoid=geoid,
+        gzip=gzip,
+    )
     tiles = [
         (z, x, y)
         for z in sorted(job.levels)
@@ -232,124 +230,6 @@ def write_tiles(
     kind.finish(job, records)
     asked = () if job.picture else tuple(job.levels[z].asked for z in sorted(job.levels))
     return TilesReport(job.folder, format, records, asked, len(left))
-
-
-def _job(
-    ground: Heightmap,
-    folder: Path,
-    format: str,
-    error: float | None,
-    zoom: int | None,
-    scheme: str | None,
-    tiling: str | None,
-    borders: str | None,
-    geoid: str,
-    gzip: bool,
-    crs: str | None,
-) -> Job:
-    """Check everything before the first tile is made."""
-    one_of("format", format, FORMATS)
-    globe, boxes = format == "quantized-mesh", format == "3dtiles"
-    _require(globe or scheme is None, "scheme", "quantized-mesh", format)
-    _require(boxes or tiling is None, "tiling", "3dtiles", format)
-    _require(globe or boxes or borders is None, "borders", "quantized-mesh and 3dtiles", format)
-    _require(globe or boxes or error is None, "an error", "quantized-mesh and 3dtiles", format)
-    one_of("borders", borders or "none", BORDERS)
-    if globe and borders == "frozen":
-        raise InputError(
-            "expected borders none or skirts with quantized-mesh, whose places are 1/32767 of a "
-            "tile and so differ between levels, got frozen: 3dtiles have frozen ones"
-        )
-    if crs is not None:
-        ground = ground.with_crs(crs)
-    Place.of(ground.crs)
-    if geoid != ELLIPSOID:
-        ground = above_ellipsoid(ground, geoid)
-    source = Source.of(ground)
-    chosen: Scheme = Region(source.bounds) if boxes else Mercator()
-    if globe:
-        chosen = SCHEMES[one_of("scheme", scheme or "geographic", SCHEMES)]
-    require_within(chosen, source.bounds)
-    deepest = whole("zoom", zoom, 0, DEEPEST) if zoom is not None else _deepest(source, chosen)
-    allowed = source.step / 4 if error is None else positive("error", error)
-    frozen = borders == "frozen"
-    skirts = borders == "skirts" or (boxes and borders is None)
-    make = _box_level if boxes else _globe_level
-    levels = {
-        z: make(source, chosen, allowed * 2.0 ** (deepest - z), z, deepest - z, skirts, frozen)
-        for z in range(deepest + 1)
-    }
-    job = Job(
-        source,
-        chosen,
-        levels,
-        folder,
-        gzip,
-        skirts=skirts,
-        frozen=frozen,
-        implicit=one_of("tiling", tiling or "implicit", TILINGS) == "implicit",
-        encoding=format,
-        picture=not (globe or boxes),
-        about={"heights": _said(geoid)},
-    )
-    count = sum(len(columns) * len(rows) for columns, rows in map(job.tiles, levels))
-    if count > _MOST_TILES:
-        raise InputError(
-            f"expected at most {_MOST_TILES:,} tiles, got {count:,} down to level {deepest}: "
-            "choose a lower zoom"
-        )
-    return job
-
-
-def _globe_level(
-    source: Source, scheme: Scheme, asked: float, z: int, above: int, skirts: bool, frozen: bool
-) -> Level:
-    """Return a level of quantized-mesh."""
-    low, high = source.height_range
-    walls = 4 * asked if skirts else 0.0
-    quantum = smallest_quantum(min(low, 0.0) - walls, max(high, 0.0))
-    if quantum > asked / 4:
-        raise InputError(
-            f"expected an error of at least {4 * quantum / 2**above:g} m with quantized-mesh for "
-            f"heights from {low:g} to {high:g} m, got {asked / 2**above:g}: it has 32768 heights a "
-            "tile; 3dtiles have more"
-        )
-    return Level(asked, 0.0, quantum, MOST)
-
-
-def _box_level(
-    source: Source, scheme: Scheme, asked: float, z: int, above: int, skirts: bool, frozen: bool
-) -> Level:
-    """Return a level of 3D Tiles."""
-    low, high = source.height_range
-    west, south, east, north = bounds_of(scheme, (0, 0, 0))
-    # borders that all levels have are rounded alike at all levels
-    step = vertex_step(max(east - west, north - south) / (1 if frozen else 2**z))
-    if step > asked / 4:
-        raise InputError(
-            f"expected an error of at least {4 * step / 2**above:g} m for a ground so large, got "
-            f"{asked / 2**above:g}"
-        )
-    deeper = above if frozen else 0
-    # so far down that no height of a triangle between is the ground's
-    bare = low - 64 * (high - low + asked)
-    return Level(asked, step, _FINE, _PLACES << deeper, bare, holed=True, deeper=deeper)
-
-
-def _said(geoid: str) -> str:
-    if geoid == ELLIPSOID:
-        return "metres above the ellipsoid WGS 84, as which those of the raster were taken"
-    return f"metres above the ellipsoid WGS 84: the raster's, and the geoid {Path(geoid).name}'s"
-
-
-def _require(holds: bool, option: str, formats: str, got: str) -> None:
-    if not holds:
-        raise InputError(f"expected {option} with {formats} alone, got format {got}")
-
-
-def _deepest(source: Source, scheme: Scheme) -> int:
-    """Return the first level whose lattice is as fine as the samples."""
-    return next((z for z in range(DEEPEST) if reach(source, scheme, z) <= 1.0), DEEPEST)
 
 
 def _fingerprint(ground: Heightmap) -> str:

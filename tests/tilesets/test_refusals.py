@@ -34,6 +34,11 @@ def ground_at(lon, lat, crs="EPSG:4326", step=0.001):
         (ground_at(10, 40), {"error": 0}, "expected error > 0"),
         (ground_at(10, 40), {"error": 1e-4}, "3dtiles have more"),
         (ground_at(10, 40), {"borders": "frozen"}, "3dtiles have frozen ones"),
+        (
+            ground_at(10, 40),
+            {"format": "3dtiles", "borders": "frozen", "zoom": 20},
+            "a zoom up to 16 with frozen borders",
+        ),
         (ground_at(10, 40), {"borders": "walls"}, "unknown borders"),
         (ground_at(10, 40), {"tiling": "implicit"}, "tiling with 3dtiles alone"),
         (ground_at(10, 40), {"format": "mapbox", "error": 3}, "an error with quantized-mesh"),
