@@ -25,6 +25,7 @@ TITLES = {
     "drawing": ("Pictures", "Meshes drawn without a display."),
     "viewer": ("Viewer", "Windows and pages that move."),
     "reports": ("Reports", "Levels of detail, compared on paper."),
+    "tilesets": ("Tiles for the web", "Pyramids of ground, each tile with its measured error."),
     "tessellation": ("Tessellation", "From factors to patterns of points and triangles."),
     "curved": ("Curved meshes", "Any mesh, curved, displaced, or made of patches and formulas."),
     "numbered": ("Numbers of formulas", "What a number may be, and how people are asked for it."),

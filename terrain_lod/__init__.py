@@ -70,6 +70,8 @@ from .terrain.terrain import Terrain
 from .tessellation.pattern import Pattern
 from .tessellation.semi_uniform import semi_uniform
 from .tessellation.tessellator import tessellate
+from .tilesets.journal import Record as TileRecord
+from .tilesets.write import TilesReport, write_tiles
 from .viewer.view import view
 
 __all__ = [
@@ -109,6 +111,8 @@ __all__ = [
     "Terrain",
     "TerrainError",
     "TileAnalysis",
+    "TileRecord",
+    "TilesReport",
     "UniformLod",
     "VerticalError",
     "Weighted",
@@ -139,4 +143,5 @@ __all__ = [
     "tessellate",
     "vertical_error",
     "view",
+    "write_tiles",
 ]

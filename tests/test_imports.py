@@ -39,6 +39,7 @@ ROOMS = {
     "drawing": """errors arguments paths device ground camera tessellation mesh terrain
                   streaming""",
     "accessor": "ground mesh measure",
+    "tilesets": "errors arguments paths tasks device ground terrain",
     "checks": """errors numbered device ground camera tessellation mesh terrain curved reference
                  measure""",
     "viewer": """errors arguments paths numbered device ground camera mesh files terrain curved
@@ -46,7 +47,8 @@ ROOMS = {
     "reports": """errors arguments paths numbered device ground camera mesh terrain measure drawing
                   checks""",
     "cli": """interrupts errors arguments paths numbered device ground camera tessellation mesh
-              files sources pyramid terrain streaming curved measure drawing viewer reports""",
+              files sources pyramid terrain streaming curved measure drawing tilesets viewer
+              reports""",
     "__main__": "cli",
 }
 # within a function, so that a value can offer what is written above it
@@ -59,7 +61,11 @@ LATE = {
 # a value that offers its writer, which has to know it: but for these, imports run one way
 WRITERS = {("mesh.mesh", "files.meshes.export")}
 # only there, so that everything else runs without them
-GUARDED = {"pyopencl": {"device"}, "rasterio": {"files.rasters.readers_gdal"}}
+GUARDED = {
+    "pyopencl": {"device"},
+    "rasterio": {"files.rasters.readers_gdal"},
+    "pyproj": {"tilesets.place", "tilesets.geoid"},
+}
 # nobody waits for these on import
 HEAVY = ("pyvista", "vtkmodules", "matplotlib", "rasterio", "skimage", "scipy", "rich", "zarr")
 

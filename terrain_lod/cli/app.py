@@ -1,4 +1,4 @@
-"""The command line: demo, render, mesh, report, view, build, info, smooth, pattern, doctor ...
+"""The command line: demo, render, mesh, report, view, build, info, tiles, serve, smooth, pattern ...
 
 Exit codes: 0 done, 2 refused with one line on stderr, 130 interrupted.
 """
@@ -40,6 +40,7 @@ from .pattern import pattern
 from .pyramid import build, info, is_store, open_store
 from .report import report
 from .smooth import smooth
+from .tiles import serve, tiles
 from .view import view
 
 REFUSED: Final = 2
@@ -242,6 +243,8 @@ app.command(smooth, sort_key=8)
 app.command(pattern, sort_key=9)
 app.command(build, sort_key=10)
 app.command(info, sort_key=11)
+app.command(tiles, sort_key=12)
+app.command(serve, sort_key=13)
 
 
 def _counts(mesh: Any, ground: Heightmap) -> str:

@@ -196,6 +196,12 @@ class Heightmap:
             name=self.name,
         )
 
+    def with_crs(self, crs: str) -> Heightmap:
+        """Return this ground with another name for where its x and y are."""
+        new = copy(self)
+        new._set("crs", crs)
+        return new
+
     def steps_of(self, detail: Heightmap) -> tuple[int, int]:
         """Return the samples of `detail` a cell of this ground, along x and y.
 
