@@ -70,6 +70,9 @@ class Camera:
         # an array may be infinite here and there
         if not (isinstance(self.far, float | np.floating) and self.far == math.inf):
             object.__setattr__(self, "far", finite("far", self.far))
+        for name in ("near", "far", "height"):
+            if _FARTHEST < (length := getattr(self, name) or 0.0) < math.inf:
+                raise InputError(f"expected {name} up to {_FARTHEST:g}, got {length:g}")
         if self.far <= self.near:
             raise InputError(f"expected far > near, got far {self.far:g} and near {self.near:g}")
         if self.eye == self.target:
