@@ -72,13 +72,15 @@ def main() -> None:
         ends = Rings.of(mesh).edge_ends
         edge = np.linalg.norm(mesh.vertices[ends[:, 1]] - mesh.vertices[ends[:, 0]], axis=1).mean()
         told = []
-        for refined in (0, 1, 2):
-            far, angle = distances(mesh, options.steps - refined)
+        for _ in range(3):
+            far, angle = distances(mesh, options.steps)
             told.append(f"{far / edge:.3%} of an edge, {angle:.1f} degrees")
             mesh = mesh.refined()
         print(
             f"  {name:12} as it is {told[0]}; refined once {told[1]}; twice {told[2]}", flush=True
         )
+    for name in ("prism of 5", "prism of 8"):
+        print(f"  {name:12} {patch_continuity(catmull_clark_patches(meshes[name]).nets)}")
     control = box()
     for _ in range(4):
         control = control.refined()

@@ -29,6 +29,7 @@ from .patch_factors import (
     SilhouetteFactor,
     UniformFactor,
 )
+from .posed import PosedMesh
 from .surfaces import ParametricSurface, surface
 
 __all__ = [
@@ -44,6 +45,7 @@ __all__ = [
     "ParametricCurve",
     "ParametricSurface",
     "Polyline",
+    "PosedMesh",
     "SilhouetteFactor",
     "UniformFactor",
     "b_spline",
