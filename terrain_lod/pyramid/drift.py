@@ -40,7 +40,7 @@ def drifts(heights: Samples, lattice: Samples, stride: int) -> Errors:
         Of the samples of each square, those on its borders included. A bound: rounded up.
     """
     rows, columns = heights.shape
-    has_holes = bool(np.isnan(heights).any())
+    has_holes = has_nan(heights)
     lines = _between(lattice, stride, columns)
     # the next line as seen from each
     steps = np.diff(lines, axis=0)
@@ -62,8 +62,8 @@ def drifts(heights: Samples, lattice: Samples, stride: int) -> Errors:
             off[missing & beside] = 0.0
             off[missing != beside] = np.inf
         found[first : first + _STRIPS] = _squares(off)
-    highest = max(_largest(heights), _largest(lattice))
-    found[found > 0] += np.float32(_ROUNDING * highest)
+    found[found > 0] *= np.float32(1 + _ROUNDING)
+    found[found > 0] += np.float32(_ROUNDING * _largest(lattice))
     return found
 
 
@@ -74,12 +74,19 @@ def ranges(heights: Samples) -> Errors:
     -------
     (ceil((R - 1) / NODE), ceil((C - 1) / NODE), 2) float32
     """
-    with np.errstate(invalid="ignore"):
-        low = -_squares(np.where(np.isnan(heights), -np.inf, -heights))
-        high = _squares(np.where(np.isnan(heights), -np.inf, heights))
+    down = -heights
+    if has_nan(heights):
+        missing = np.isnan(heights)
+        heights, down = (np.where(missing, -np.inf, values) for values in (heights, down))
+    low, high = -_squares(down), _squares(heights)
     found = np.stack([low, high], axis=-1).astype(np.float32)
     found[np.isinf(high)] = np.nan
     return found
+
+
+def has_nan(heights: Samples) -> bool:
+    """Return whether any height is NaN, without an array of answers."""
+    return bool(np.isnan(heights.sum(dtype=np.float64)))
 
 
 def ladders(by_stride: list[Errors], level: int) -> Errors:
