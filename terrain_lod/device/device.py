@@ -14,10 +14,11 @@ from __future__ import annotations
 import os
 import threading
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache
 from math import prod
+from operator import index
 from pathlib import Path, PurePosixPath
 from typing import Any, Final
 
@@ -144,8 +145,7 @@ class Device:
         DeviceMemoryError
             With the bytes wanted and had.
         """
-        counts = [whole("nbytes", count, 0, 2**63) for count in nbytes]
-        require_memory(self.info, self.allocated, text("what", what), counts)
+        require_memory(self.info, self.allocated, what, _counts("nbytes", nbytes))
 
     def require_doubles(self, what: str) -> None:
         """Refuse `what` where the device has no 64-bit floats."""
@@ -260,7 +260,7 @@ class DeviceArray:
 
     def __init__(self, device: Device, shape: tuple[int, ...], dtype: npt.DTypeLike) -> None:
         self.device = device
-        self.shape = tuple(whole("shape", extent, 0, 2**63) for extent in shape)
+        self.shape = _counts("shape", shape)
         self.dtype: np.dtype[Any] = _number_type(dtype)
         # OpenCL has no empty buffers: one element stands in for none
         nbytes = max(self.nbytes, self.dtype.itemsize)
@@ -409,6 +409,17 @@ class Kernel:
         elif isinstance(value, int) and parameter.is_local and value > 0:
             return cl.LocalMemory(value)
         raise parameter.refusal(value)
+
+
+def _counts(name: str, values: Iterable[object]) -> tuple[int, ...]:
+    """Return whole numbers as they are; arrays are made too often for more than this."""
+    try:
+        counts = tuple(map(index, values))  # type: ignore[arg-type]
+    except TypeError:
+        counts = (-1,)
+    if counts and min(counts) < 0:
+        raise InputError(f"expected whole numbers >= 0 for {name}, got {told(values)}")
+    return counts
 
 
 def _number_type(dtype: npt.DTypeLike) -> np.dtype[Any]:
