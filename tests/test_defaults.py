@@ -19,7 +19,7 @@ from terrain_lod.viewer.view import look
 DIFFERENT: dict[str, tuple[set[object], str]] = {
     "closed": (
         {False, "", (False, False)},
-        "whether a mesh or a curve is said to be; along which parameters a surface is, or a B-spline",
+        "whether a mesh or a curve is said to be; along which parameters a surface is",
     ),
     "curved": ({True, False}, "displacing moves all of a mesh, a dent leaves plane what it misses"),
     "cull": ({True, False}, "a file is looked at from anywhere, a picture from its camera"),
