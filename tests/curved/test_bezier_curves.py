@@ -71,6 +71,18 @@ def test_b_splines_are_joined_with_curvature_and_their_halves_without():
     assert bent.curvatures[~touched].max() < 1e-6
 
 
+@pytest.mark.parametrize("transposed", [False, True])
+def test_a_plane_beside_a_parabola_loses_its_curvature_across_the_edge(transposed):
+    # z = c y^2 from y = 0 on, by its Bezier points; plane before
+    c, i, j = 0.25, *np.meshgrid(np.arange(4.0), np.arange(4.0), indexing="ij")
+    plane = np.stack([i, j - 3, 0 * i], axis=-1)
+    bent = np.stack([i, j, c * np.array([0, 0, 3, 9]) + 0 * i], axis=-1)
+    nets = np.array([plane, bent])
+    joints = tl.curved.patch_continuity(nets.transpose(0, 2, 1, 3) if transposed else nets)
+    assert joints.angles == pytest.approx(0, abs=1e-6)
+    assert joints.curvatures == pytest.approx(2 * c)
+
+
 def test_orientation_does_not_count_and_collapsed_edges_are_none():
     nets = tl.curved.b_spline(np.stack(np.meshgrid(*2 * [np.arange(5.0)], [0.0]), -1)[:, :, 0])
     turned = nets.copy()
