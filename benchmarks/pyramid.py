@@ -121,7 +121,7 @@ def ladder_seconds(side: int) -> float:
 def build(folder: Path, largest: float) -> None:
     print("gigasamples | rasterio reads | errors alone | build | s a gigasample | "
           "(build - errors) / read | peak | said before | bytes a sample")  # fmt: skip
-    for share in (0.1 / largest, 0.25, 0.5, 1.0):
+    for share in (1 / 16, 1 / 4, 1.0):
         side = int(np.sqrt(share * largest * 1e9))
         source, store = folder / "waves.tif", folder / "waves.tlod"
         write_tiff(source, side)

@@ -157,7 +157,11 @@ def memory_line(division: Division) -> str:
 def _store_of(source: Source, path: Path, division: Division, base: float | None) -> Store:
     """Return the store that this build goes on with, or a new one."""
     fingerprint = source.fingerprint()
-    if path.exists():
+    # a build that was killed at once leaves a folder without a description
+    begun_at_all = path.is_file() or any(
+        not entry.name.endswith(".partial") for entry in path.glob("*")
+    )
+    if begun_at_all:
         store = Store.open(path, unfinished=True)
         begun, same_base = store.description, base in (None, store.description.base)
         if (begun.fingerprint, begun.division) != (fingerprint, division) or not same_base:

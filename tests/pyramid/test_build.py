@@ -209,6 +209,14 @@ def test_two_halves_meet_without_a_difference(tmp_path: Path) -> None:
             np.testing.assert_array_equal(one[:, -1], other[:, 0])
 
 
+def test_a_build_that_was_killed_at_once_goes_on(tmp_path: Path, source: Path) -> None:
+    build(str(source), str(tmp_path / "0.tlod"))
+    (tmp_path / "1.tlod").mkdir()
+    (tmp_path / "1.tlod" / "zarr.0123.partial").write_text("{")
+    build(str(source), str(tmp_path / "1.tlod"))
+    assert contents(tmp_path / "1.tlod") == contents(tmp_path / "0.tlod")
+
+
 def test_no_data_at_all_is_said(tmp_path: Path) -> None:
     with pytest.raises(tl.InputError, match="got no data at all"):
         tl.build(np.full((40, 40), np.nan), tmp_path / "a.tlod", chunk=CHUNK, spacing=1.0)
