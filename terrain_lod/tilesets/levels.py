@@ -13,6 +13,8 @@ from .source import Source
 
 # cells along a tile's lattice
 CELLS: Final = 256
+# what arithmetic on numbers of the Earth's size adds to an error: metres, and a part of it
+_ARITHMETIC: Final = 1e-6
 
 
 @dataclass(frozen=True)
@@ -48,7 +50,11 @@ class Level:
     @property
     def allowed(self) -> float:
         """What is left for triangles, metres."""
-        return self.asked - self.rounding
+        return (self.asked - self.rounding - _ARITHMETIC) / (1 + _ARITHMETIC)
+
+    def stated(self, measured: float) -> float:
+        """Return the error to state for one that was measured, metres."""
+        return measured * (1 + _ARITHMETIC) + _ARITHMETIC + self.rounding
 
 
 def reach(source: Source, scheme: Scheme, z: int) -> float:

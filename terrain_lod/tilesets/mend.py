@@ -20,8 +20,6 @@ from .schemes import Bounds, Tile
 from .source import Samples, Source
 from .weld import Places
 
-# what arithmetic adds to a measured error, metres: some roundings at the Earth's size
-_ROUNDING: Final = 1e-6
 # a mesh that is mended is measured again, at most so often
 _PASSES: Final = 8
 
@@ -111,7 +109,7 @@ def _measured(mesh: TileMesh, source: Source) -> tuple[TileMesh, _Missed | None]
         those = exceeding[owners]
         if those.any():
             missed.append(_Missed(samples.chosen(those), owners[those]))
-    error = worst + mesh.level.rounding + _ROUNDING if count else 0.0
+    error = mesh.level.stated(worst) if count else 0.0
     together = None
     if missed:
         columns = zip(*(vars(part.samples).values() for part in missed), strict=True)

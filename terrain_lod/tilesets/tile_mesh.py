@@ -33,7 +33,7 @@ from .weld import Outline, Places
 # cells along the engine's tiles of a tile's lattice
 _PATCH: Final = 4
 # what of the error the lattice's mesh may use: between its points there are samples
-_SHARE: Final = 0.8
+_SHARE: Final = 0.97
 
 
 def tile_mesh(

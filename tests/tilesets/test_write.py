@@ -8,6 +8,7 @@ from itertools import product
 import numpy as np
 import pytest
 from matplotlib.tri import Triangulation
+from pyproj import Transformer
 
 import terrain_lod as tl
 from support.tilesets import (
@@ -249,3 +250,17 @@ def test_holes_stay_holes_in_boxes(tmp_path):
         shape = Triangulation(flat.vertices[:, 0], flat.vertices[:, 1], flat.triangles)
         assert (shape.get_trifinder()(lon.ravel(), lat.ravel()) == -1).all()
     assert len(report.records) == len(tiles)
+
+
+@pytest.mark.parametrize("units", [("metre", "metre"), ("metre", "foot")])
+def test_maps_that_stand_askew_and_heights_in_feet(units, tmp_path):
+    ridge = tl.sample("ridge").elevation[:100, :120]
+    metres = 0.3048 if units[1] == "foot" else 1.0
+    ground = tl.Heightmap(ridge / metres, spacing=20.0, origin=(350_000.0, 5_100_000.0),
+                          units=units)  # fmt: skip
+    _, tiles = boxes(ground, tmp_path, crs="EPSG:32632", borders="none")
+    row, column = np.indices(ground.shape)
+    to_degrees = Transformer.from_crs("EPSG:32632", "EPSG:4326", always_xy=True)
+    lon, lat = to_degrees.transform(350_000 + 20.0 * column, 5_100_000 - 20.0 * row)
+    samples = np.stack([lon, lat, ridge], axis=-1).reshape(-1, 3)
+    assert np.median(in_stated_errors(tiles, samples)) <= 1.25
