@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fcntl
 import getpass
 import os
 import socket
@@ -24,6 +23,8 @@ def locked(path: Path) -> Iterator[None]:
     FileError
         If another process holds it, with what that said of itself.
     """
+    import fcntl  # not on Windows: everything else imports there
+
     while True:
         file = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
         try:
