@@ -121,7 +121,7 @@ class KernelCache:
         seals = {}
         for program in self._programs():
             for name in _files(program):
-                path = os.path.relpath(name, self._folder)
+                path = self._within(name)
                 with suppress(OSError):
                     known = self._seals.get(path)
                     seal = known if known and known.stamp == self._stamp(name) else None
@@ -149,7 +149,7 @@ class KernelCache:
                 alone and _is_old(program)
             ):
                 shutil.rmtree(program)
-                within = os.path.relpath(program, self._folder) + os.sep
+                within = self._within(program) + os.sep
                 self._seals = {
                     path: seal for path, seal in self._seals.items() if not path.startswith(within)
                 }
@@ -157,13 +157,17 @@ class KernelCache:
             left.unlink()
 
     def _is_sound(self, name: str, alone: bool) -> bool:
-        seal = self._seals.get(os.path.relpath(name, self._folder))
+        seal = self._seals.get(self._within(name))
         if seal is None:
             return not alone
         try:
             return seal.stamp == self._stamp(name) or seal.checksum == _checksum(name)
         except OSError:
             return False
+
+    def _within(self, name: str) -> str:
+        """Return a path in the folder; os.path.relpath takes as long as all the rest."""
+        return name[len(str(self._folder)) + 1 :]
 
     def _stamp(self, name: str) -> str:
         """Return what changes whenever a file does; after a power cut all have changed."""

@@ -70,6 +70,7 @@ def _answers(name: str, seed: int, first: int, end: int, folder: Path) -> Iterat
         with suppress(ProcessLookupError):  # and what it started
             os.killpg(child.pid, signal.SIGKILL)
         child.wait()
+        child.stdout.close()
 
 
 def _end_of(code: int, said: Path) -> str:
