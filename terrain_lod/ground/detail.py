@@ -38,7 +38,7 @@ def steps_between(spacing: Pair, fine: Pair) -> tuple[int, int]:
 def require_float32(heights: npt.NDArray[np.float32], detail: npt.NDArray[np.float32]) -> None:
     """Refuse sums, and differences of neighbours, beyond float32's range."""
     highest, added = (float(np.abs(part).max()) for part in (heights, detail))
-    if 2 * highest + added > float(np.finfo(np.float32).max):
+    if 2 * (highest + added) > float(np.finfo(np.float32).max):
         raise InputError(
             "expected sums of ground and detail that float32 can hold, got heights up to "
             f"{highest:g} and {added:g}"
