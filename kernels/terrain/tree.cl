@@ -11,7 +11,7 @@
 // Errors are measured when they are asked for, and remembered.
 //
 // Built with: TILE, FINER, what ground.h is built with.
-#include "terrain/screen.h"
+#include "terrain/allowance.h"
 #include "common/lanes.h"
 #include "terrain/lattice.h"
 
@@ -108,21 +108,6 @@ inline float own_cost(const Ground ground, const Node node, const Tile tile, flo
             return 2.0f * fu * fv;
     }
     return INFINITY;
-}
-
-// The error that a node is allowed; NaN where it is out of view, or has no data.
-inline float allowed_of(const Grid grid, const View view, int cull, float metres, float pixels,
-                        const Tile tile, float4 known, float weight)
-{
-    const float minimum = known.y, maximum = known.z;
-    if (isnan(minimum) || (cull && is_out_of_view(grid, tile, view, minimum, maximum)))
-        return NAN;
-    float error = metres / weight;
-    if (!isinf(pixels))
-        error = fmin(error, metres_for_pixels(view, tile_box(grid, tile, minimum, maximum),
-                                              pixels / weight));
-    // a dozen roundings of differences of heights, here and wherever else it is measured
-    return fmax(error - 1e-6f * (maximum - minimum), 0.0f);
 }
 
 __kernel void visit(const Grid grid,

@@ -219,6 +219,7 @@ class Leaves:
             "side_offsets": self.sides.offsets,
             "side_places": self.sides.places,
             "inside_factors": self.factors.inside,
+            "lifts": self.factors.inside,  # not looked at until there are any
         }
         header = "terrain/patch_leaves.h"
         return PatchSet(self.tree.ground, header, self.count, arguments, self.tree.details)

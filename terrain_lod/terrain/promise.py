@@ -18,6 +18,7 @@ from ..camera.camera import Camera
 from ..device.device import DeviceArray
 from ..errors import InputError
 from ..mesh.mesh import Achieved
+from .fitted import fitted_mesh
 from .leaves import Leaves
 from .lod import PromiseLod
 from .meshing import Tessellated
@@ -73,6 +74,8 @@ class Promise:
     cull : bool
     weights : DeviceArray, (P,) float32, or None
         How many times a tile's error counts.
+    heights : {"ground", "fitted"}
+        Whether vertices stand on the ground, or float within the error.
     """
 
     tiles: DeviceTiles
@@ -81,6 +84,7 @@ class Promise:
     edge_rule: str
     cull: bool
     weights: DeviceArray | None = None
+    heights: str = "ground"
 
     def keep(self, lod: PromiseLod) -> Kept:
         """Return the cheapest mesh found that keeps what `lod` promises."""
@@ -92,6 +96,8 @@ class Promise:
         return self._least_error(lod.triangles, lod.metres, in_pixels=False)
 
     def _within(self, metres: float, pixels: float) -> Kept:
+        if self.heights == "fitted":
+            return self._within_fitted(metres, pixels)
         if self.partitioning == "integer":
             return self._within_tree(metres, pixels)
         selection = Selection.start(
@@ -151,6 +157,26 @@ class Promise:
             allowed *= weights.host()[nodes[there]]
         achieved = _achieved(worst, allowed, pixels, exceeding, rounds)
         return Kept(replace(made, achieved=achieved), nodes)
+
+    def _within_fitted(self, metres: float, pixels: float) -> Kept:
+        tree = self.tiles.tree
+        assert tree is not None  # who promises has it made
+        found = fitted_mesh(
+            tree,
+            self.tiles.view(self.camera),
+            cull=self.cull,
+            metres=metres,
+            pixels=pixels,
+            weights=self.weights,
+        )
+        if found.exceeding:
+            return self._within_tree(metres, pixels)  # all that is left is the ground itself
+        there = found.nodes >= 0
+        worst, allowed = found.measured[there], found.allowed[there]
+        if self.weights is not None:
+            allowed *= tree.weights(self.weights).host()[found.nodes[there]]
+        achieved = _achieved(worst, allowed, pixels, found.exceeding, found.rounds)
+        return Kept(replace(found.made, achieved=achieved), found.nodes)
 
     def _least_error(self, triangles: int, enough: float, *, in_pixels: bool) -> Kept:
         """Return the mesh of at most so many `triangles` with the least error above `enough`."""

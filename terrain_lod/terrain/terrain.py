@@ -29,6 +29,7 @@ from ..mesh.hits import Hits, checked_points, checked_rays
 from ..mesh.mesh import Mesh
 from .analysis import TileAnalysis
 from .buffers import DeviceGround
+from .fitted import HEIGHTS, check_fitted
 from .hull import hull_on_device
 from .ladder import empty_ladder
 from .ladder_file import fingerprint, read_ladder, write_ladder
@@ -216,6 +217,7 @@ class Terrain:
         lod: AnyLod | None = None,
         edge_rule: str | None = None,
         partitioning: str = "fractional_odd",
+        heights: str = "ground",
         cull: bool = True,
     ) -> Mesh:
         """Tessellate the terrain as a camera deserves it.
@@ -236,6 +238,10 @@ class Terrain:
         partitioning : {"fractional_odd", "fractional_even", "integer", "pow2"}, optional
             How factors divide a patch. With ``"integer"`` a promise is kept by patches of every
             size, from a tile to the whole raster, at every whole factor: the fewest triangles.
+        heights : {"ground", "fitted"}, optional
+            Whether vertices stand on the ground, or float within the error that is promised, where
+            that makes it least: fewer triangles, in more time. For promises in the partitioning
+            ``"integer"``. Normals are the ground's.
         cull : bool, optional
             Leave out the patches whose bounds are out of view.
 
@@ -248,7 +254,7 @@ class Terrain:
         ------
         InputError
             If `lod` is no level of detail, or needs a camera and there is none, or a name is
-            unknown.
+            unknown, or heights are to be fitted to what is no promise.
         DeviceMemoryError
             If the device cannot hold the mesh.
         """
@@ -256,6 +262,9 @@ class Terrain:
             lod = UniformLod(self.grid.tile) if camera is None else ScreenErrorLod()
         lod = checked_lod(lod)
         one_of("partitioning", partitioning, layout.PARTITIONINGS)
+        one_of("heights", heights, HEIGHTS)
+        if heights == "fitted":
+            check_fitted(lod, partitioning)
         if camera is None and lod.needs_camera:
             raise InputError(f"{type(lod).__name__} needs a camera, got none")
         cull = cull and camera is not None
@@ -270,7 +279,7 @@ class Terrain:
                     tiles, camera, horizon=weighted.horizon, silhouette=weighted.silhouette
                 )
             if isinstance(lod, PromiseLod):
-                promise = Promise(tiles, camera, partitioning, edge_rule or "edge", cull, weights)
+                promise = Promise(tiles, camera, partitioning, edge_rule or "edge", cull, weights, heights)
                 kept = promise.keep(lod)
                 made, nodes = kept.made, kept.nodes
             else:

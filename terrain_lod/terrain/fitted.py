@@ -1,0 +1,280 @@
+"""Heights that float within the tolerance: what is promised with fewer vertices than the ground has.
+
+::
+
+    leaves, for more than is allowed ─▶ pattern ─▶ weld ─▶ fit ─▶ measure
+                  ▲                                                 │
+                  └── tiles of leaves that exceed ask for less ◀────┘
+
+The kernels, and what they minimise: ``kernels/terrain/fitted.cl``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+import numpy.typing as npt
+
+from ..device.device import DeviceArray
+from ..errors import InputError
+from ..tessellation.pattern import DevicePattern
+from .buffers import PatchSet
+from .leaves import Leaves
+from .lod import AnyLod, PromiseLod, unweighted
+from .measure import measure_patches
+from .meshing import Tessellated
+from .quadtree import DeviceQuadtree
+
+HEIGHTS: Final = ("ground", "fitted")
+
+# leaves are chosen for so many times what is allowed, with vertices on the ground
+_FIRST_ASK: Final = 1.9
+# and then for less, by the square root of what they exceed, within these steps
+_LEAST_STEP: Final = 1 / 0.93
+_MOST_STEP: Final = 2.0
+
+_PASSES: Final = 30
+_MOST_ROUNDS: Final = 40
+
+_NOBODY: Final = -1
+_INFINITE: Final = int(np.float32(np.inf).view(np.int32))
+
+
+def check_fitted(lod: AnyLod, partitioning: str) -> None:
+    """Refuse levels of detail and partitionings whose heights cannot be fitted.
+
+    Raises
+    ------
+    InputError
+    """
+    if not isinstance(unweighted(lod), PromiseLod):
+        raise InputError(
+            f"expected a promise for fitted heights, such as MaxErrorLod, got "
+            f"{type(unweighted(lod)).__name__}: it allows no error to float within"
+        )
+    if partitioning != "integer":
+        raise InputError(
+            f"expected the partitioning 'integer' for fitted heights, got {partitioning!r}"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Vertices:
+    """The vertices of N points of a pattern, and where they stand.
+
+    Attributes
+    ----------
+    places : DeviceArray, (N, 4) int32
+        Of the points: cells, and fractions in 1/65536 of a cell, east and south.
+    table : DeviceArray, int32
+        Where points are found by their places.
+    numbers : DeviceArray, (N,) int32
+        Of the vertex of each point: one of the points at its place, which stands for all.
+    above : DeviceArray, (N,) float32
+        Of those that stand for all: height above the ground.
+    """
+
+    places: DeviceArray
+    table: DeviceArray
+    numbers: DeviceArray
+    above: DeviceArray
+
+    @property
+    def found(self) -> dict[str, Any]:
+        """What finds these vertices in a later round."""
+        return {
+            "earlier_places": self.places,
+            "earlier_last": self.table.size - 1,
+            "earlier_table": self.table,
+            "earlier_heights": self.above,
+        }
+
+
+def fit_heights(
+    patches: PatchSet,
+    pattern: DevicePattern,
+    allowed: DeviceArray,
+    *,
+    passes: int = _PASSES,
+    before: Vertices | None = None,
+) -> tuple[Vertices, DeviceArray]:
+    """Move the vertices of a pattern until its triangles are within what patches allow.
+
+    Parameters
+    ----------
+    patches : PatchSet
+    pattern : DevicePattern
+    allowed : DeviceArray, (P,) float32
+        Vertical error of each patch.
+    passes : int
+        How often all vertices are moved; patches that nothing pulls at are left alone.
+    before : Vertices, optional
+        Those that stand at the same places begin where they were.
+
+    Returns
+    -------
+    vertices : Vertices
+    lifts : DeviceArray, (N,) float32
+        Height of each point above the ground; the same bits wherever points share a place.
+
+    Raises
+    ------
+    DeviceMemoryError
+        If the device cannot hold the vertices.
+    """
+    device, count = patches.device, pattern.points.shape[0]
+    group, single = device.group_size(64), device.group_size(64)
+    slots = 1 << max(2 * count - 1, 1).bit_length()
+    device.require(f"heights of {count} vertices", 32 * count, 29 * count, 4 * slots)
+    items = device.runs(patches.count) * group
+
+    def run(name: str, items: int, **arguments: Any) -> None:
+        kernel = device.kernel("terrain/fitted.cl", name, GROUP=group, **patches.defines)
+        kernel((items,), (single,), **arguments)
+
+    shared = {"patches": patches.count, "point_offsets": pattern.point_offsets}
+    placed = {**patches.ground.arguments, **patches.arguments, **shared}
+    places, corners = device.empty((count, 4), np.int32), device.empty((count, 4), np.float32)
+    run("put_points", items, **placed, points=pattern.points, places=places, corners=corners)
+    table = device.empty(slots, np.int32).fill(_NOBODY)
+    numbers, finest = (device.empty(count, np.int32) for _ in range(2))
+    finest.fill(_INFINITE)
+    run(
+        "weld",
+        patches.count,
+        **shared,
+        places=places,
+        allowed=allowed,
+        last=slots - 1,
+        table=table,
+        vertices=numbers,
+        finest=finest,
+    )
+    vertices = Vertices(places, table, numbers, device.zeros(count, np.float32))
+    of_vertices = {"count": count, "vertices": numbers}
+    if before is not None:
+        run("recall", count, **of_vertices, places=places, **before.found, heights_above=vertices.above)
+    last = vertices.above.copy(0, count)
+    moved, asking = device.zeros(count, np.uint8), device.zeros(patches.count, np.uint8).fill(1)
+    sums = {"pulls": device.zeros(count, np.int32), "weights": device.zeros(count, np.int32)}
+    moving = {"finest": finest, "heights_above": vertices.above, "moved": moved, **sums}
+    for _ in range(passes):
+        run(
+            "pull",
+            items,
+            **placed,
+            **moving,
+            details=patches.details,
+            triangle_offsets=pattern.primitive_offsets,
+            triangles=pattern.primitives,
+            corners=corners,
+            vertices=numbers,
+            allowed=allowed,
+            asking=asking,
+            scratch=group * 4,
+        )
+        run("move", count, **of_vertices, **moving, before=last)
+    lifts = device.empty(count, np.float32)
+    run("spread", count, **of_vertices, heights_above=vertices.above, lifts=lifts)
+    return vertices, lifts
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """A mesh whose vertices float, and what was measured of it.
+
+    Attributes
+    ----------
+    made : Tessellated
+    nodes : (P,) int32
+        The quadtree's node of each patch; -1 of one that was split.
+    measured, allowed : (P,) float32
+        Errors of the patches.
+    exceeding : int
+        Patches whose error is more than is allowed.
+    rounds : int
+        How often the mesh was measured.
+    """
+
+    made: Tessellated
+    nodes: npt.NDArray[np.int32]
+    measured: npt.NDArray[np.float32]
+    allowed: npt.NDArray[np.float32]
+    exceeding: int
+    rounds: int
+
+
+def fitted_mesh(
+    tree: DeviceQuadtree,
+    view: npt.NDArray[Any],
+    *,
+    cull: bool,
+    metres: float,
+    pixels: float,
+    weights: DeviceArray | None,
+) -> Fitted:
+    """Return the cheapest mesh found whose floating vertices keep an error.
+
+    Parameters
+    ----------
+    tree : DeviceQuadtree
+    view : layout.VIEW record
+    cull : bool
+    metres, pixels : float
+        Errors allowed; infinite where not asked for.
+    weights : DeviceArray, (tiles,) float32, or None
+        How many times a tile's error counts.
+    """
+    device = tree.device
+    asked = {"view": view, "cull": int(cull), "metres": metres, "pixels": pixels}
+    kept_weights = tree.weights(weights)
+    # errors count for less when leaves are chosen: heights will make up for that
+    chosen_weights = kept_weights.copy(0, tree.ground.grid.count)
+    chosen_weights.write(chosen_weights.host() * np.float32(1 / _FIRST_ASK))
+    vertices = None
+    for rounds in range(1, _MOST_ROUNDS + 1):
+        with tree.marked() as (stamp, marks):
+            leaves = Leaves(tree, stamp, marks, **asked, weights=tree.weights(chosen_weights))
+            leaves.fit()
+            nodes = leaves.drawn()
+        count, patches = leaves.count, leaves.patches
+        made = Tessellated.of(patches, leaves.factors, "integer")
+        allowed, measured = (device.zeros(count, np.float32) for _ in range(2))
+        of_leaves = {"count": count, "leaves": patches.arguments["leaves"]}
+        of_nodes = {"grid": tree.ground.grid.record(), "tree": tree.record(), **of_leaves}
+
+        def run(name: str, **arguments: Any) -> None:
+            defines = {**patches.defines, "GROUP": device.group_size(64)}
+            kernel = device.kernel("terrain/fitted.cl", name, **defines)
+            kernel((count,), (tree.group,), **of_nodes, **arguments)
+
+        run(
+            "rooms",
+            **asked,
+            details=tree.details,
+            weights=kept_weights,
+            edge_factors=leaves.factors.edge,
+            allowed=allowed,
+        )
+        patches = patches.lifted(made.factors.inside)
+        vertices, lifts = fit_heights(patches, made.pattern, allowed, before=vertices)
+        patches = patches.lifted(lifts)
+        everything = device.zeros(count, np.uint8).fill(1)
+        measure_patches(patches, made.pattern, everything, measured)
+        exceeding = device.zeros(1, np.uint32)
+        run(
+            "ask",
+            allowed=allowed,
+            measured=measured,
+            least=_LEAST_STEP,
+            most=_MOST_STEP,
+            weights=chosen_weights,
+            exceeding=exceeding,
+        )
+        over = int(exceeding.host()[0])
+        if over == 0:
+            break
+    made = Tessellated(patches, leaves.factors, made.pattern)
+    return Fitted(made, nodes, measured.host(), allowed.host(), over, rounds)
