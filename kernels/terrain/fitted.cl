@@ -30,6 +30,7 @@
 #include "common/reduce.h"
 #include PATCHES
 #include "terrain/allowance.h"
+#include "terrain/node.h"
 
 #define NOBODY -1
 // shares of what a vertex allows are counted in 1 / UNITS; samples pull no harder than LONGEST of it
@@ -42,8 +43,8 @@
 #define FITTED_SHARE 0.97f
 // a vertex that moves by less of what it allows has come to rest
 #define REST 1e-3f
-// samples on a triangle's outline are its own, all the same how they are rounded
-#define OUTSIDE -1e-5f
+// samples on a triangle's outline are its own, however places are rounded
+#define OUTSIDE -1e-4f
 
 __kernel void rooms(const Grid grid, const Tree tree,
                     __global const float4 *details,             // (N,)
@@ -174,13 +175,18 @@ inline bool pull_triangle(const Ground ground, const Placing placing, float room
     const int top = (int)ceil(smaller(smaller(a.y, b.y), c.y)), bottom = (int)larger(larger(a.y, b.y), c.y);
     float3 pull = (float3)(0.0f, 0.0f, 0.0f), weight = pull;
     bool found = false;
-    for (int row = top; row <= bottom; ++row)
+    for (int row = top; row <= bottom; ++row) {
+        bool entered = false;
         for (int column = left; column <= right; ++column) {
             const float x = column - a.x, y = row - a.y;
             const float w1 = (x * y2 - x2 * y) * inverse, w2 = (x1 * y - x * y1) * inverse;
             const float w0 = 1.0f - w1 - w2;
-            if (smaller(smaller(w1, w2), w0) < OUTSIDE)
+            if (smaller(smaller(w1, w2), w0) < OUTSIDE) {
+                if (entered)
+                    break;
                 continue;
+            }
+            entered = true;
             const int r = placing.tile.row + row * placing.stride;
             const int s = placing.tile.column + column * placing.stride;
             const float residual = (a.z - sample_height(ground, r, s)) + w1 * rise1 + w2 * rise2;
@@ -191,6 +197,7 @@ inline bool pull_triangle(const Ground ground, const Placing placing, float room
             pull += (float3)(w0, w1, w2) * excess;
             weight += (float3)(w0, w1, w2);
         }
+    }
     if (!found)
         return false;
     const float of_pull[3] = {pull.x, pull.y, pull.z}, of_weight[3] = {weight.x, weight.y, weight.z};

@@ -8,7 +8,18 @@ from __future__ import annotations
 
 from typing import Final
 
-from . import common, curved, curved_displaced, curved_pn, measure, mesh, promise, quadtree, terrain
+from . import (
+    common,
+    curved,
+    curved_displaced,
+    curved_pn,
+    fitted,
+    measure,
+    mesh,
+    promise,
+    quadtree,
+    terrain,
+)
 from . import tessellation as patterns
 from .check import Check
 
@@ -32,6 +43,7 @@ CHECKS: Final[dict[str, Check]] = {
     "terrain/tree": quadtree.TREE,
     "terrain/joints": quadtree.JOINTS,
     "terrain/leaf_fit": quadtree.LEAF_FIT,
+    "terrain/fitted": fitted.FITTED,
     "curved/bezier": curved.BEZIER,
     "curved/surface": curved.SURFACE,
     "curved/curve": curved.CURVE,

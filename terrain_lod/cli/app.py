@@ -27,10 +27,10 @@ from .options import (
     CameraOptions,
     Ground,
     GroundOptions,
-    MeshingOptions,
     OverlayOptions,
     Sun,
     TerrainOptions,
+    VertexOptions,
 )
 from .output import (
     PROGRAM,
@@ -113,7 +113,7 @@ def render(
     overlay: OverlayOptions = OverlayOptions(),  # noqa: B008
     view: CameraOptions = CameraOptions(),  # noqa: B008
     lod: LodOptions = LodOptions(),  # noqa: B008
-    meshing: MeshingOptions = MeshingOptions(),  # noqa: B008
+    meshing: VertexOptions = VertexOptions(),  # noqa: B008
     terrain: TerrainOptions = TerrainOptions(),  # noqa: B008
     many: PathOptions = PathOptions(),  # noqa: B008
 ) -> None:
@@ -163,7 +163,7 @@ def mesh(
     overlay: OverlayOptions = OverlayOptions(),  # noqa: B008
     view: CameraOptions = CameraOptions(),  # noqa: B008
     lod: LodOptions = LodOptions(),  # noqa: B008
-    meshing: MeshingOptions = MeshingOptions(),  # noqa: B008
+    meshing: VertexOptions = VertexOptions(),  # noqa: B008
     terrain: TerrainOptions = TerrainOptions(),  # noqa: B008
 ) -> None:
     """Write the mesh that a camera deserves, and say how far it is from the ground.

@@ -173,6 +173,16 @@ class MeshingOptions:
     """How the tessellator divides an edge."""
 
 
+@Parameter(name="*", group=DETAIL)
+@dataclass(frozen=True)
+class VertexOptions(MeshingOptions):
+    """How factors become triangles, and where their vertices stand."""
+
+    heights: Literal["ground", "fitted"] = "ground"
+    """Vertices on the ground, or floating within the error that is kept: fewer triangles, more
+    time; with --partitioning integer."""
+
+
 @Parameter(name="*", group=_WORK)
 @dataclass(frozen=True)
 class TerrainOptions:

@@ -11,7 +11,7 @@ The kernels, and what they minimise: ``kernels/terrain/fitted.cl``.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
@@ -35,7 +35,7 @@ _FIRST_ASK: Final = 1.9
 _LEAST_STEP: Final = 1 / 0.93
 _MOST_STEP: Final = 2.0
 
-_PASSES: Final = 30
+_PASSES: Final = 16
 _MOST_ROUNDS: Final = 40
 
 _NOBODY: Final = -1
@@ -99,7 +99,7 @@ def fit_heights(
     *,
     passes: int = _PASSES,
     before: Vertices | None = None,
-) -> tuple[Vertices, DeviceArray]:
+) -> tuple[Vertices, PatchSet]:
     """Move the vertices of a pattern until its triangles are within what patches allow.
 
     Parameters
@@ -116,8 +116,8 @@ def fit_heights(
     Returns
     -------
     vertices : Vertices
-    lifts : DeviceArray, (N,) float32
-        Height of each point above the ground; the same bits wherever points share a place.
+    patches : PatchSet
+        Whose points stand there: those that share a place at the same height, to the bit.
 
     Raises
     ------
@@ -125,14 +125,17 @@ def fit_heights(
         If the device cannot hold the vertices.
     """
     device, count = patches.device, pattern.points.shape[0]
-    group, single = device.group_size(64), device.group_size(64)
+    group = device.group_size(64)
     slots = 1 << max(2 * count - 1, 1).bit_length()
     device.require(f"heights of {count} vertices", 32 * count, 29 * count, 4 * slots)
     items = device.runs(patches.count) * group
 
+    # looked at where they will be measured
+    defines = replace(patches, is_lifted=True).defines
+
     def run(name: str, items: int, **arguments: Any) -> None:
-        kernel = device.kernel("terrain/fitted.cl", name, GROUP=group, **patches.defines)
-        kernel((items,), (single,), **arguments)
+        kernel = device.kernel("terrain/fitted.cl", name, GROUP=group, **defines)
+        kernel((items,), (group,), **arguments)
 
     shared = {"patches": patches.count, "point_offsets": pattern.point_offsets}
     placed = {**patches.ground.arguments, **patches.arguments, **shared}
@@ -155,7 +158,14 @@ def fit_heights(
     vertices = Vertices(places, table, numbers, device.zeros(count, np.float32))
     of_vertices = {"count": count, "vertices": numbers}
     if before is not None:
-        run("recall", count, **of_vertices, places=places, **before.found, heights_above=vertices.above)
+        run(
+            "recall",
+            count,
+            **of_vertices,
+            places=places,
+            **before.found,
+            heights_above=vertices.above,
+        )
     last = vertices.above.copy(0, count)
     moved, asking = device.zeros(count, np.uint8), device.zeros(patches.count, np.uint8).fill(1)
     sums = {"pulls": device.zeros(count, np.int32), "weights": device.zeros(count, np.int32)}
@@ -178,7 +188,7 @@ def fit_heights(
         run("move", count, **of_vertices, **moving, before=last)
     lifts = device.empty(count, np.float32)
     run("spread", count, **of_vertices, heights_above=vertices.above, lifts=lifts)
-    return vertices, lifts
+    return vertices, patches.lifted(lifts)
 
 
 @dataclass(frozen=True, eq=False)
@@ -258,9 +268,7 @@ def fitted_mesh(
             edge_factors=leaves.factors.edge,
             allowed=allowed,
         )
-        patches = patches.lifted(made.factors.inside)
-        vertices, lifts = fit_heights(patches, made.pattern, allowed, before=vertices)
-        patches = patches.lifted(lifts)
+        vertices, patches = fit_heights(patches, made.pattern, allowed, before=vertices)
         everything = device.zeros(count, np.uint8).fill(1)
         measure_patches(patches, made.pattern, everything, measured)
         exceeding = device.zeros(1, np.uint32)

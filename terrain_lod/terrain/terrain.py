@@ -279,7 +279,9 @@ class Terrain:
                     tiles, camera, horizon=weighted.horizon, silhouette=weighted.silhouette
                 )
             if isinstance(lod, PromiseLod):
-                promise = Promise(tiles, camera, partitioning, edge_rule or "edge", cull, weights, heights)
+                promise = Promise(
+                    tiles, camera, partitioning, edge_rule or "edge", cull, weights, heights
+                )
                 kept = promise.keep(lod)
                 made, nodes = kept.made, kept.nodes
             else:
