@@ -280,13 +280,16 @@ __kernel void move(const int count,
     const float unit = as_float(finest[i]), height = heights_above[i];
     const float step = pulls[i] == 0 ? 0.0f
         : unit * ((pulls[i] / UNITS) / (weights[i] / UNITS + INERTIA));
-    const float next = height - step, way = next - before[i];
+    // no vertex is farther from the ground than samples may be
+    const float most = unit * FITTED_SHARE;
+    const float next = smaller(larger(height - step, -most), most), way = next - before[i];
     const bool is_resting = step == 0.0f && absolute(way) < REST * unit;
     // momentum ends where it points uphill
     const float further = is_resting || (height - next) * way > 0.0f ? 0.0f : MOMENTUM * way;
+    const float there = smaller(larger(next + further, -most), most);
     before[i] = next;
-    heights_above[i] = next + further;
-    moved[i] = next + further != height;
+    heights_above[i] = there;
+    moved[i] = there != height;
     pulls[i] = weights[i] = 0;
 }
 

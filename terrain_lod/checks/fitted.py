@@ -12,7 +12,7 @@ from ..device.layout import FIXED_ONE
 from ..reference.terrain import domain, fitted
 from ..terrain.fitted import fit_heights
 from ..tessellation.tessellator import tessellate_device
-from .check import Bound, Check, Difference, ulp
+from .check import Array, Bound, Check, Difference, ulp
 from .grounds import Ground, hard_grounds, plain_grounds
 
 _PASSES: Final = 12
@@ -61,20 +61,21 @@ def _fit(case: Ground, device: Device) -> Iterator[Difference]:
     _, first = np.unique(vertices, return_index=True)
     rounding = 64 * ulp(np.ptp(case.sum.heights.astype(np.float64)))
 
-    def found(passes: int) -> np.ndarray:
+    def found(passes: int) -> Array:
         _, patches = fit_heights(tiles.patch_set, pattern, device.array(allowed), passes=passes)
-        return patches.arguments["lifts"].host().astype(np.float64)
+        lifts: Array = patches.arguments["lifts"].host().astype(np.float64)
+        return lifts
 
     one = found(1)
     yield _SHARED.met_by(one, one[first][vertices])
     expected = fitted.fitted(samples, ground[first], finest, 1)
     yield _STEP.met_by(one[first] + ground[first], expected, 1e-2 * finest + rounding)
     several = found(_PASSES)[first] + ground[first]
-    energies = [
+    energy, least = (
         float(((fitted.excesses(samples, heights) / samples.room) ** 2).sum())
         for heights in (several, fitted.fitted(samples, ground[first], finest, _PASSES))
-    ]
-    yield _FITTED.met_by(*energies, 0.02 * energies[1] + 1e-2 * grid.count)
+    )
+    yield _FITTED.met_by(energy, least, 0.02 * least + 1e-2 * grid.count)
 
 
 def _hard() -> dict[str, Ground]:

@@ -1,4 +1,4 @@
-"""Heights that float within the tolerance: what is promised with fewer vertices than the ground has.
+"""Heights that float within the tolerance: fewer triangles for the same promise.
 
 ::
 
@@ -237,52 +237,78 @@ def fitted_mesh(
     weights : DeviceArray, (tiles,) float32, or None
         How many times a tile's error counts.
     """
-    device = tree.device
-    asked = {"view": view, "cull": int(cull), "metres": metres, "pixels": pixels}
-    kept_weights = tree.weights(weights)
-    # errors count for less when leaves are chosen: heights will make up for that
-    chosen_weights = kept_weights.copy(0, tree.ground.grid.count)
-    chosen_weights.write(chosen_weights.host() * np.float32(1 / _FIRST_ASK))
-    vertices = None
-    for rounds in range(1, _MOST_ROUNDS + 1):
+    device, vertices = tree.device, None
+    counted = tree.weights(weights)
+    # for the choice of leaves errors count for less, tile by tile: heights make up for that
+    choosing = counted.copy(0, tree.ground.grid.count)
+    choosing.write(choosing.host() / np.float32(_FIRST_ASK))
+    asked: dict[str, Any] = {"view": view, "cull": int(cull), "metres": metres, "pixels": pixels}
+    rounds, exceeding = 0, 1
+    while exceeding and rounds < _MOST_ROUNDS:
+        rounds += 1
         with tree.marked() as (stamp, marks):
-            leaves = Leaves(tree, stamp, marks, **asked, weights=tree.weights(chosen_weights))
+            leaves = Leaves(tree, stamp, marks, **asked, weights=tree.weights(choosing))
             leaves.fit()
-            nodes = leaves.drawn()
-        count, patches = leaves.count, leaves.patches
-        made = Tessellated.of(patches, leaves.factors, "integer")
-        allowed, measured = (device.zeros(count, np.float32) for _ in range(2))
-        of_leaves = {"count": count, "leaves": patches.arguments["leaves"]}
-        of_nodes = {"grid": tree.ground.grid.record(), "tree": tree.record(), **of_leaves}
-
-        def run(name: str, **arguments: Any) -> None:
-            defines = {**patches.defines, "GROUP": device.group_size(64)}
-            kernel = device.kernel("terrain/fitted.cl", name, **defines)
-            kernel((count,), (tree.group,), **of_nodes, **arguments)
-
-        run(
-            "rooms",
-            **asked,
-            details=tree.details,
-            weights=kept_weights,
-            edge_factors=leaves.factors.edge,
-            allowed=allowed,
-        )
-        vertices, patches = fit_heights(patches, made.pattern, allowed, before=vertices)
-        everything = device.zeros(count, np.uint8).fill(1)
+        made = Tessellated.of(leaves.patches, leaves.factors, "integer")
+        allowed = _rooms(leaves, asked, counted)
+        vertices, patches = fit_heights(leaves.patches, made.pattern, allowed, before=vertices)
+        everything = device.zeros(leaves.count, np.uint8).fill(1)
+        measured = device.zeros(leaves.count, np.float32)
         measure_patches(patches, made.pattern, everything, measured)
-        exceeding = device.zeros(1, np.uint32)
-        run(
-            "ask",
-            allowed=allowed,
-            measured=measured,
-            least=_LEAST_STEP,
-            most=_MOST_STEP,
-            weights=chosen_weights,
-            exceeding=exceeding,
-        )
-        over = int(exceeding.host()[0])
-        if over == 0:
-            break
-    made = Tessellated(patches, leaves.factors, made.pattern)
-    return Fitted(made, nodes, measured.host(), allowed.host(), over, rounds)
+        exceeding = _ask_for_less(leaves, allowed, measured, choosing)
+    return Fitted(
+        replace(made, patches=patches),
+        leaves.drawn(),
+        measured.host(),
+        allowed.host(),
+        exceeding,
+        rounds,
+    )
+
+
+def _run(leaves: Leaves, name: str, **arguments: Any) -> None:
+    """Launch a kernel with an item a leaf."""
+    tree, patches = leaves.tree, leaves.patches
+    defines = {"GROUP": tree.group, **patches.defines}
+    tree.device.kernel("terrain/fitted.cl", name, **defines)(
+        (leaves.count,),
+        (tree.group,),
+        grid=tree.ground.grid.record(),
+        tree=tree.record(),
+        count=leaves.count,
+        leaves=patches.arguments["leaves"],
+        **arguments,
+    )
+
+
+def _rooms(leaves: Leaves, asked: dict[str, Any], weights: DeviceArray) -> DeviceArray:
+    """Return the error that each leaf is allowed, 0 where nothing is drawn; (P,) float32."""
+    allowed = leaves.device.empty(leaves.count, np.float32)
+    _run(
+        leaves,
+        "rooms",
+        **asked,
+        details=leaves.tree.details,
+        weights=weights,
+        edge_factors=leaves.factors.edge,
+        allowed=allowed,
+    )
+    return allowed
+
+
+def _ask_for_less(
+    leaves: Leaves, allowed: DeviceArray, measured: DeviceArray, weights: DeviceArray
+) -> int:
+    """Make errors count for more where tiles' leaves exceed; return how many leaves do."""
+    exceeding = leaves.device.zeros(1, np.uint32)
+    _run(
+        leaves,
+        "ask",
+        allowed=allowed,
+        measured=measured,
+        least=_LEAST_STEP,
+        most=_MOST_STEP,
+        weights=weights,
+        exceeding=exceeding,
+    )
+    return int(exceeding.host()[0])

@@ -85,7 +85,8 @@ def samples_of(
 def excesses(samples: Samples, heights: Array) -> Array:
     """Return how far triangles are off their samples beyond what they may; (S,)."""
     residuals = (samples.weights * heights[samples.corners]).sum(axis=1) - samples.heights
-    return residuals - np.clip(residuals, -samples.room, samples.room)
+    beyond: Array = residuals - np.clip(residuals, -samples.room, samples.room)
+    return beyond
 
 
 def fitted(samples: Samples, ground: Array, finest: Array, passes: int) -> Array:
@@ -101,6 +102,7 @@ def fitted(samples: Samples, ground: Array, finest: Array, passes: int) -> Array
     passes : int
     """
     heights, before = ground.copy(), ground.copy()
+    most = _SHARE * finest
     # sums are limited triangle by triangle
     triangles, inverse = np.unique(samples.triangle, return_inverse=True)
     corners = np.zeros((len(triangles), 3), int)
@@ -114,13 +116,14 @@ def fitted(samples: Samples, ground: Array, finest: Array, passes: int) -> Array
                 np.bincount(inverse, each, len(triangles)) for each in (weight * excess, weight)
             )
             vertex = corners[:, corner]
-            most = _LONGEST * finest[vertex] * total
+            longest = _LONGEST * finest[vertex] * total
             asking = total > 0
-            np.add.at(pulls, vertex[asking], np.clip(pull, -most, most)[asking])
+            np.add.at(pulls, vertex[asking], np.clip(pull, -longest, longest)[asking])
             np.add.at(weights, vertex[asking], total[asking])
-        following = heights - pulls / (weights + _INERTIA)
+        following = np.clip(heights - pulls / (weights + _INERTIA), ground - most, ground + most)
         way = following - before
         resting = (pulls == 0) & (np.abs(way) < _REST * finest)
         uphill = (heights - following) * way > 0
-        heights, before = following + np.where(resting | uphill, 0.0, _MOMENTUM * way), following
+        further = following + np.where(resting | uphill, 0.0, _MOMENTUM * way)
+        heights, before = np.clip(further, ground - most, ground + most), following
     return heights
