@@ -18,13 +18,13 @@
 // Patches add to the same vertex in any order, so what they add are whole numbers: every device, and every
 // run, comes to the same bits.
 //
-//   rooms        what each leaf allows, whatever it was chosen for
-//   put_points   where points stand
-//   weld         points at one place are one vertex, found in a hash table
-//   recall       vertices that the round before had begin where that left them
-//   pull, move   a pass
-//   spread       what its vertex has found, to each point
-//   ask          tiles whose leaf exceeds are asked for less
+//   rooms         what each leaf allows, whatever it was chosen for
+//   put_points    where points stand
+//   weld          points at one place are one vertex, found in a hash table
+//   recall        vertices that the round before had begin where that left them
+//   pull, move    a pass
+//   spread        what its vertex has found, to each point
+//   ask, tighten  tiles whose leaf exceeds are asked for less
 //
 // Built with: PATCHES, GROUP work-items a patch, what these and ground.h are built with.
 #include "common/reduce.h"
@@ -305,8 +305,8 @@ __kernel void ask(const Grid grid, const Tree tree, const int count, __global co
                   __global const float *allowed,                // (P,) 0 where nothing is drawn
                   __global const float *measured,               // (P,)
                   const float least, const float most,          // steps of a weight
-                  __global float *weights,                      // (tiles,) that errors count when leaves
-                                                                // are chosen
+                  const int reach,                              // tiles around a leaf that go with it
+                  __global float *steps,                        // (tiles,) 1 before
                   __global uint *exceeding)                     // (1,) leaves that do
 {
     const int leaf = get_global_id(0);
@@ -314,10 +314,22 @@ __kernel void ask(const Grid grid, const Tree tree, const int count, __global co
         return;
     atomic_inc(exceeding);
     const float excess = allowed[leaf] > 0.0f ? sqrt(measured[leaf] / allowed[leaf]) : most;
-    const float step = smaller(larger(excess, least), most);
+    const int step = as_int(smaller(larger(excess, least), most));
     const Node node = node_at(tree, leaves[leaf]);
-    const int k = node.level;
-    for (int row = node.row << k; row < min((node.row + 1) << k, grid.tile_rows); ++row)
-        for (int column = node.column << k; column < min((node.column + 1) << k, grid.tile_columns); ++column)
-            weights[row * grid.tile_columns + column] *= step;
+    const int k = node.level, top = max((node.row << k) - reach, 0), left = max((node.column << k) - reach, 0);
+    const int bottom = min(((node.row + 1) << k) + reach, grid.tile_rows);
+    const int right = min(((node.column + 1) << k) + reach, grid.tile_columns);
+    for (int row = top; row < bottom; ++row)
+        for (int column = left; column < right; ++column)
+            // floats above 0 are in the order of their bits
+            atomic_max((__global int *)steps + row * grid.tile_columns + column, step);
+}
+
+__kernel void tighten(const int tiles, __global const float *steps,
+                      __global float *weights)                  // (tiles,) that errors count when leaves
+                                                                // are chosen
+{
+    const int tile = get_global_id(0);
+    if (tile < tiles)
+        weights[tile] *= steps[tile];
 }

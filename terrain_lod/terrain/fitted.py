@@ -17,7 +17,7 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from ..device.device import DeviceArray
+from ..device.device import DeviceArray, Kernel
 from ..errors import InputError
 from ..tessellation.pattern import DevicePattern
 from .buffers import PatchSet
@@ -34,6 +34,8 @@ _FIRST_ASK: Final = 1.9
 # and then for less, by the square root of what they exceed, within these steps
 _LEAST_STEP: Final = 1 / 0.93
 _MOST_STEP: Final = 2.0
+# leaves that still exceed by then are held by their neighbours, which are asked for less as well
+_ROUNDS_ALONE: Final = 6
 
 _PASSES: Final = 16
 _MOST_ROUNDS: Final = 40
@@ -255,7 +257,8 @@ def fitted_mesh(
         everything = device.zeros(leaves.count, np.uint8).fill(1)
         measured = device.zeros(leaves.count, np.float32)
         measure_patches(patches, made.pattern, everything, measured)
-        exceeding = _ask_for_less(leaves, allowed, measured, choosing)
+        reach = 0 if rounds <= _ROUNDS_ALONE else 1
+        exceeding = _ask_for_less(leaves, allowed, measured, choosing, reach)
     return Fitted(
         replace(made, patches=patches),
         leaves.drawn(),
@@ -266,17 +269,21 @@ def fitted_mesh(
     )
 
 
+def _kernel(leaves: Leaves, name: str) -> Kernel:
+    defines = {"GROUP": leaves.tree.group, **leaves.patches.defines}
+    return leaves.device.kernel("terrain/fitted.cl", name, **defines)
+
+
 def _run(leaves: Leaves, name: str, **arguments: Any) -> None:
     """Launch a kernel with an item a leaf."""
-    tree, patches = leaves.tree, leaves.patches
-    defines = {"GROUP": tree.group, **patches.defines}
-    tree.device.kernel("terrain/fitted.cl", name, **defines)(
+    tree = leaves.tree
+    _kernel(leaves, name)(
         (leaves.count,),
         (tree.group,),
         grid=tree.ground.grid.record(),
         tree=tree.record(),
         count=leaves.count,
-        leaves=patches.arguments["leaves"],
+        leaves=leaves.patches.arguments["leaves"],
         **arguments,
     )
 
@@ -297,10 +304,18 @@ def _rooms(leaves: Leaves, asked: dict[str, Any], weights: DeviceArray) -> Devic
 
 
 def _ask_for_less(
-    leaves: Leaves, allowed: DeviceArray, measured: DeviceArray, weights: DeviceArray
+    leaves: Leaves, allowed: DeviceArray, measured: DeviceArray, weights: DeviceArray, reach: int
 ) -> int:
-    """Make errors count for more where tiles' leaves exceed; return how many leaves do."""
-    exceeding = leaves.device.zeros(1, np.uint32)
+    """Make errors count for more in tiles of leaves that exceed, and so far around.
+
+    Returns
+    -------
+    int
+        How many leaves exceed.
+    """
+    device, count = leaves.device, weights.size
+    exceeding = device.zeros(1, np.uint32)
+    steps = device.empty(count, np.float32).fill(1.0)
     _run(
         leaves,
         "ask",
@@ -308,7 +323,10 @@ def _ask_for_less(
         measured=measured,
         least=_LEAST_STEP,
         most=_MOST_STEP,
-        weights=weights,
+        reach=reach,
+        steps=steps,
         exceeding=exceeding,
     )
+    tighten, group = _kernel(leaves, "tighten"), leaves.tree.group
+    tighten((count,), (group,), tiles=count, steps=steps, weights=weights)
     return int(exceeding.host()[0])
