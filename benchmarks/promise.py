@@ -148,7 +148,7 @@ def heights(name: str, samples: int, tolerances: list[float], tile: int, views: 
             steepest, rms = tl.normal_error(mesh, ground)
             print(
                 f"{name} {metres:3g} m, {each}: {len(mesh.triangles):,} triangles in "
-                f"{1e3 * seconds:.0f} ms, facets {rms:.1f} degrees off the ground's normals RMS, "
+                f"{1e3 * seconds:.0f} ms, normals {rms:.1f} degrees off the ground's RMS, "
                 f"{steepest:.0f} at most"
             )
         made = [
