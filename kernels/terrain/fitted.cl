@@ -33,9 +33,10 @@
 #include "terrain/node.h"
 
 #define NOBODY -1
-// shares of what a vertex allows are counted in 1 / UNITS; samples pull no harder than LONGEST of it
+// Shares of what a vertex allows are counted in 1 / UNITS; samples pull no harder than LONGEST of it. Four
+// patches of 128 x 128 samples, a third of which is a corner's, come to 1.5e9: sums are 32-bit numbers.
 #define UNITS 8192.0f
-#define LONGEST 16.0f
+#define LONGEST 8.0f
 // weight of the place where a vertex stands already, beside samples of weight 1
 #define INERTIA 0.25f
 #define MOMENTUM 0.8f

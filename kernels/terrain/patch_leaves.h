@@ -9,9 +9,10 @@
 #include "terrain/ground.h"
 #include "terrain/node.h"
 
-// levels at which every sample is looked at, beyond the first: a lattice's bound leaves little to float within
+// Levels at which every sample is looked at, beyond the first. A lattice's bound leaves little to float within:
+// vertices that float have every sample looked at up to 128 cells.
 #if LIFTED && !DETAIL
-#define FINEST (FINER + 3)
+#define FINEST (FINER + (TILE <= 4 ? 3 : TILE <= 8 ? 2 : 1))
 #else
 #define FINEST FINER
 #endif

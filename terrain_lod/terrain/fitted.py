@@ -204,8 +204,6 @@ class Fitted:
         The quadtree's node of each patch; -1 of one that was split.
     measured, allowed : (P,) float32
         Errors of the patches.
-    exceeding : int
-        Patches whose error is more than is allowed.
     rounds : int
         How often the mesh was measured.
     """
@@ -214,7 +212,6 @@ class Fitted:
     nodes: npt.NDArray[np.int32]
     measured: npt.NDArray[np.float32]
     allowed: npt.NDArray[np.float32]
-    exceeding: int
     rounds: int
 
 
@@ -226,8 +223,11 @@ def fitted_mesh(
     metres: float,
     pixels: float,
     weights: DeviceArray | None,
-) -> Fitted:
+    fewer_than: int,
+) -> Fitted | None:
     """Return the cheapest mesh found whose floating vertices keep an error.
+
+    None where that takes no fewer triangles than are known to do.
 
     Parameters
     ----------
@@ -238,6 +238,8 @@ def fitted_mesh(
         Errors allowed; infinite where not asked for.
     weights : DeviceArray, (tiles,) float32, or None
         How many times a tile's error counts.
+    fewer_than : int
+        Triangles.
     """
     device, vertices = tree.device, None
     counted = tree.weights(weights)
@@ -245,28 +247,23 @@ def fitted_mesh(
     choosing = counted.copy(0, tree.ground.grid.count)
     choosing.write(choosing.host() / np.float32(_FIRST_ASK))
     asked: dict[str, Any] = {"view": view, "cull": int(cull), "metres": metres, "pixels": pixels}
-    rounds, exceeding = 0, 1
-    while exceeding and rounds < _MOST_ROUNDS:
-        rounds += 1
+    for rounds in range(1, _MOST_ROUNDS + 1):
         with tree.marked() as (stamp, marks):
             leaves = Leaves(tree, stamp, marks, **asked, weights=tree.weights(choosing))
             leaves.fit()
         made = Tessellated.of(leaves.patches, leaves.factors, "integer")
+        if made.triangle_count >= fewer_than:
+            return None
         allowed = _rooms(leaves, asked, counted)
         vertices, patches = fit_heights(leaves.patches, made.pattern, allowed, before=vertices)
         everything = device.zeros(leaves.count, np.uint8).fill(1)
         measured = device.zeros(leaves.count, np.float32)
         measure_patches(patches, made.pattern, everything, measured)
         reach = 0 if rounds <= _ROUNDS_ALONE else 1
-        exceeding = _ask_for_less(leaves, allowed, measured, choosing, reach)
-    return Fitted(
-        replace(made, patches=patches),
-        leaves.drawn(),
-        measured.host(),
-        allowed.host(),
-        exceeding,
-        rounds,
-    )
+        if _ask_for_less(leaves, allowed, measured, choosing, reach) == 0:
+            made = replace(made, patches=patches)
+            return Fitted(made, leaves.drawn(), measured.host(), allowed.host(), rounds)
+    return None
 
 
 def _kernel(leaves: Leaves, name: str) -> Kernel:

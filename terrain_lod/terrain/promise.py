@@ -161,6 +161,7 @@ class Promise:
     def _within_fitted(self, metres: float, pixels: float) -> Kept:
         tree = self.tiles.tree
         assert tree is not None  # who promises has it made
+        standing = self._within_tree(metres, pixels)
         found = fitted_mesh(
             tree,
             self.tiles.view(self.camera),
@@ -168,14 +169,15 @@ class Promise:
             metres=metres,
             pixels=pixels,
             weights=self.weights,
+            fewer_than=standing.triangle_count,
         )
-        if found.exceeding:
-            return self._within_tree(metres, pixels)  # all that is left is the ground itself
+        if found is None:
+            return standing
         there = found.nodes >= 0
         worst, allowed = found.measured[there], found.allowed[there]
         if self.weights is not None:
             allowed *= tree.weights(self.weights).host()[found.nodes[there]]
-        achieved = _achieved(worst, allowed, pixels, found.exceeding, found.rounds)
+        achieved = _achieved(worst, allowed, pixels, 0, found.rounds)
         return Kept(replace(found.made, achieved=achieved), found.nodes)
 
     def _least_error(self, triangles: int, enough: float, *, in_pixels: bool) -> Kept:

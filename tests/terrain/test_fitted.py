@@ -153,6 +153,33 @@ def test_updated_ground_is_meshed_as_if_made_anew() -> None:
     assert_same(one, other)
 
 
+def test_large_patches_are_fitted() -> None:
+    row, column = np.mgrid[:300, :300] / 300
+    waves = 400 * np.sin(4 * column + row) + 5 * np.sin(90 * row * column)
+    ground = tl.Heightmap(waves, spacing=9.0)
+    terrain = tl.Terrain(ground, tile=4)
+    for metres in (12.0, 30.0):
+        mesh, standing = (make(terrain, tl.MaxErrorLod(metres)) for make in (fitted, grounded))
+        assert mesh.patches.areas[:, 2:].max() >= 64
+        assert len(mesh.triangles) < 0.9 * len(standing.triangles)
+        assert tl.vertical_error(mesh, ground).maximum <= mesh.achieved.metres <= metres
+        assert not tl.crack_report(mesh)
+
+
+@pytest.mark.parametrize("share", [1e-6, 0.4, 2.0])
+def test_there_are_never_more_triangles_than_on_the_ground(share: float) -> None:
+    for name in ("rough", "hills", "plane"):
+        low, high = GROUNDS[name].height_range
+        terrain, lod = tl.Terrain(GROUNDS[name], tile=4), tl.MaxErrorLod((high - low) * share)
+        assert len(fitted(terrain, lod).triangles) <= len(grounded(terrain, lod).triangles)
+
+
+def test_what_is_out_of_view_is_nothing() -> None:
+    terrain = tl.Terrain(GROUNDS["rough"], tile=4)
+    away = tl.Camera((0.0, 0.0, 9e3), (0.0, 0.0, 2e4), up=(0, 1, 0))
+    assert len(fitted(terrain, tl.ScreenErrorLod(1.0), away).triangles) == 0
+
+
 def test_normals_are_the_grounds() -> None:
     ground = GROUNDS["hills"]
     mesh = fitted(tl.Terrain(ground, tile=4), tl.MaxErrorLod(4.0))

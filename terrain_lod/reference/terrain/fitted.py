@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 Array = npt.NDArray[Any]
 
-_LONGEST: Final = 16.0
+_LONGEST: Final = 8.0
 _INERTIA: Final = 0.25
 _MOMENTUM: Final = 0.8
 _SHARE: Final = 0.97
