@@ -15,8 +15,7 @@
 // 1995). Momentum is dropped where it points uphill (O'Donoghue, Candes, "Adaptive restart for accelerated
 // gradient schemes", Found. Comput. Math. 15, 2015).
 //
-// Patches add to the same vertex in any order, so what they add are whole numbers: every device, and every
-// run, comes to the same bits.
+// Patches add to the same vertex in any order, so what they add are whole numbers: no order changes a bit.
 //
 //   rooms         what each leaf allows, whatever it was chosen for
 //   put_points    where points stand

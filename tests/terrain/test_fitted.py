@@ -50,8 +50,9 @@ def errors_off(mesh: tl.Mesh, ground: tl.Heightmap) -> float:
     return float(np.nanmax(np.abs(mesh.vertices[:, 2] + mesh.origin[2] - heights)))
 
 
-@pytest.mark.parametrize("tile", [1, 4, 7])
-@pytest.mark.parametrize("name", GROUNDS)
+@pytest.mark.parametrize(
+    ("name", "tile"), [*((name, 4) for name in GROUNDS), ("odd sizes", 1), ("holed", 7)]
+)
 def test_an_error_in_metres_is_kept_from_outside(name: str, tile: int) -> None:
     ground = GROUNDS[name]
     terrain = tl.Terrain(ground, tile=tile)
@@ -153,6 +154,7 @@ def test_updated_ground_is_meshed_as_if_made_anew() -> None:
     assert_same(one, other)
 
 
+@pytest.mark.slow
 def test_large_patches_are_fitted() -> None:
     row, column = np.mgrid[:300, :300] / 300
     waves = 400 * np.sin(4 * column + row) + 5 * np.sin(90 * row * column)
