@@ -1,9 +1,10 @@
 # One command each, on a bare Debian 12 with git, make and python3-venv:
 #
-#   make demo     real ground becomes a mesh, pictures and a report, in out/demo
-#   make test     lint, format, types and tests
-#   make docs     the site: guides, gallery and reference, in out/site
-#   make clean    forget the environment and everything made
+#   make demo        real ground becomes a mesh, pictures and a report, in out/demo
+#   make test        lint, format, types and tests, but the slow ones
+#   make test-slow   the tests that take several seconds each
+#   make docs        the site: guides, gallery and reference, in out/site
+#   make clean       forget the environment and everything made
 #
 # PYTHON=python3.13 chooses another interpreter for .venv. Paths are relative throughout, so the
 # checkout may stand in a folder with a space in its name.
@@ -16,7 +17,7 @@ mesa := libegl1 libgl1-mesa-dri
 draws := from terrain_lod.drawing.graphics import require_graphics as check; check()
 as_root := $(if $(filter 0,$(shell id -u)),,sudo -n)
 
-.PHONY: help demo test docs clean
+.PHONY: help demo test test-slow docs clean
 
 help:
 	@sed -n 's/^#   make/make/p' Makefile
@@ -28,7 +29,10 @@ test: .venv/ready-to-test
 	$(python) -m ruff check .
 	$(python) -m ruff format --check .
 	$(python) -m mypy
-	$(python) -m pytest --numprocesses $(WORKERS)
+	$(python) -m pytest --numprocesses $(WORKERS) -m "not slow"
+
+test-slow: .venv/ready-to-test
+	$(python) -m pytest --numprocesses $(WORKERS) -m slow
 
 docs: .venv/ready-for-docs
 	$(python) -m sphinx -W --keep-going --quiet --jobs $(WORKERS) docs out/site

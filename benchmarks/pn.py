@@ -12,6 +12,7 @@ import argparse
 from statistics import median
 
 import numpy as np
+import rings
 
 import terrain_lod as tl
 from measure import bare_copy, interleaved, ratio
@@ -31,23 +32,7 @@ from terrain_lod.tessellation.tessellator import tessellate_device
 def wavy_torus(triangles: int) -> tl.Mesh:
     """Return a closed mesh of about so many triangles, with the normals of the surface."""
     columns = int(np.sqrt(triangles))
-    rows = max(3, triangles // (2 * columns))
-    u, v = np.meshgrid(
-        np.linspace(0, 2 * np.pi, columns, endpoint=False),
-        np.linspace(0, 2 * np.pi, rows, endpoint=False),
-    )
-    across = np.stack([np.cos(u) * np.cos(v), np.sin(u) * np.cos(v), np.sin(v)], axis=-1)
-    ring = np.stack([np.cos(u), np.sin(u), np.zeros_like(u)], axis=-1)
-    vertices = 3 * ring + (1 + 0.1 * np.sin(7 * u))[..., None] * across
-    index = np.arange(u.size).reshape(u.shape)
-    right, below = np.roll(index, -1, axis=1), np.roll(index, -1, axis=0)
-    corner = np.roll(right, -1, axis=0)
-    cells = np.stack([index, right, corner, index, corner, below], axis=-1)
-    return tl.Mesh(
-        vertices.reshape(-1, 3).astype(np.float32),
-        across.reshape(-1, 3).astype(np.float32),
-        cells.reshape(-1, 3).astype(np.int32),
-    )
+    return rings.wavy_torus(columns, max(3, triangles // (2 * columns)))
 
 
 def speed(mesh: tl.Mesh, factor: float, device: tl.Device) -> None:

@@ -9,6 +9,7 @@ Prints device times, medians of interleaved rounds, and ratios within the run.
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from statistics import median
@@ -16,13 +17,13 @@ from statistics import median
 import numpy as np
 
 import terrain_lod as tl
-from measure import bare_copy, bare_read, interleaved, ratio
+from measure import bare_copy, bare_read, interleaved, ratio, share_of_stated, wall_seconds
 from terrain_lod.ground.grid import TileGrid
 from terrain_lod.terrain.analysis import analyse_on_device
 from terrain_lod.terrain.domain import displace_on_device
 from terrain_lod.terrain.hull import hull_on_device
 from terrain_lod.terrain.ladder import ladder_on_device
-from terrain_lod.terrain.meshing import pattern_on_device
+from terrain_lod.terrain.meshing import Tessellated
 
 
 def fractal(samples: int) -> tl.Heightmap:
@@ -36,23 +37,19 @@ def analysis(samples: int, device: tl.Device) -> None:
     """Print what analysing costs, in bare reads of the raster."""
     terrain = tl.Terrain(fractal(samples), device=device)
     ground = terrain._tiles.ground
-    grids = {tile: TileGrid.of(terrain.ground, tile) for tile in (15, 31, 63)}
-    times = interleaved(
-        device,
-        {
-            "bare read": bare_read(device, ground.heights),
-            **{
-                f"tiles of {tile}": partial(analyse_on_device, replace(ground, grid=grid))
-                for tile, grid in grids.items()
-            },
-        },
-    )
+    works: dict[str, Callable[[], object]] = {"bare read": bare_read(device, ground.heights)}
+    for tile in (7, 15, 31, 63):
+        cut = replace(ground, grid=TileGrid.of(terrain.ground, tile))
+        works[f"tiles of {tile}"] = partial(analyse_on_device, cut)
+    times = interleaved(device, works)
     print(f"analysis of {samples} x {samples} samples, {ground.heights.nbytes / 2**20:.0f} MiB")
     for name, seconds in times.items():
-        speed = ground.heights.nbytes / median(seconds) / 1e9
+        speed = ground.heights.nbytes / median(seconds)
+        wall, share = wall_seconds(device, works[name]), 100 / ratio(times, name, "bare read")
         print(
-            f"  {name:12} {median(seconds) * 1e3:8.2f} ms {speed:8.1f} GB/s "
-            f"{ratio(times, name, 'bare read'):8.2f} x bare read"
+            f"  {name:12} {median(seconds) * 1e3:8.3f} ms, {wall * 1e3:8.3f} from call to result, "
+            f"{speed / 1e9:8.1f} GB/s, {share:4.0f} % of a bare read, "
+            f"{share_of_stated(device, speed)}"
         )
 
 
@@ -65,15 +62,16 @@ def million_triangles(samples: int, device: tl.Device) -> None:
     tiles = terrain._tiles
     hull = partial(hull_on_device, tiles, lod, camera, cull=False)
     factors = hull()
-    tessellate = partial(pattern_on_device, tiles, factors, "fractional_odd")
-    pattern = tessellate()
+    patches = tiles.patch_set
+    tessellate = partial(Tessellated.of, patches, factors, "fractional_odd")
+    pattern = tessellate().pattern
     points, triangles = pattern.points.shape[0], pattern.primitives.shape[0]
     # positions and normals, and the triangles' indices
     nbytes = points * 24 + triangles * 12
     stages = {
         "hull": hull,
         "tessellate": tessellate,
-        "displace": partial(displace_on_device, tiles, pattern),
+        "displace": partial(displace_on_device, patches, pattern),
     }
     times = interleaved(device, {**stages, "bare copy": bare_copy(device, nbytes)})
     times["in all"] = [sum(round_) for round_ in zip(*(times[s] for s in stages), strict=True)]
@@ -92,8 +90,7 @@ def _maximum_for_a_million(terrain: tl.Terrain, camera: tl.Camera) -> float:
         middle = (low + high) / 2
         lod = tl.DistanceLod(maximum=middle)
         factors = hull_on_device(terrain._tiles, lod, camera, cull=False)
-        pattern = pattern_on_device(terrain._tiles, factors, "fractional_odd")
-        count = pattern.primitives.shape[0]
+        count = Tessellated.of(terrain._tiles.patch_set, factors, "fractional_odd").triangle_count
         low, high = (middle, high) if count < 1_000_000 else (low, middle)
     return high
 
@@ -119,11 +116,11 @@ def with_detail(samples: int, steps: int, device: tl.Device) -> None:
     for name, terrain in terrains.items():
         tiles = terrain._tiles
         factors = hull_on_device(tiles, tl.UniformLod(5.0), None, cull=False)
-        whole = pattern_on_device(tiles, factors, "fractional_odd")
+        whole = Tessellated.of(tiles.patch_set, factors, "fractional_odd").pattern
         works |= {
             f"analyse, {name}": partial(analyse_on_device, tiles.ground),
             f"ladder, {name}": partial(ladder_on_device, tiles.ground, tiles.analysis),
-            f"displace, {name}": partial(displace_on_device, tiles, whole),
+            f"displace, {name}": partial(displace_on_device, tiles.patch_set, whole),
             f"mesh, {name}": partial(terrain.mesh, camera, lod=tl.ScreenErrorLod(2.0)),
         }
     times = interleaved(device, works, repeats=5)
@@ -141,11 +138,14 @@ def main() -> None:
     """Run all."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--samples", type=int, default=4096, help="along a side of the raster")
+    parser.add_argument("--only", choices=["analysis"], help="stop after this")
     parser.add_argument("--device", help="part of a device's name, cpu or gpu")
     options = parser.parse_args()
     device = tl.Device.open(options.device)
     print(device.info)
     analysis(options.samples, device)
+    if options.only == "analysis":
+        return
     million_triangles(min(options.samples, 2049), device)
     with_detail(min(options.samples, 512), 8, device)
 

@@ -11,7 +11,6 @@ medians of interleaved rounds.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
 from statistics import median
 
 import numpy as np
@@ -28,21 +27,6 @@ CASES = [
     ("triangle", "fractional_odd"),
     ("isoline", "fractional_odd"),
 ]
-
-
-def copy_into_new_memory(device: tl.Device, nbytes: int) -> Callable[[], object]:
-    """Return work that copies `nbytes` bytes to where nothing was before."""
-    group = device.group_size(256)
-    items = (4096 if device.is_gpu else 256) * group
-    kernel = device.kernel("common/bandwidth.cl", "copy_words", GROUP=group)
-    source = device.zeros(nbytes // 4, np.uint32)
-    return lambda: kernel(
-        (items,),
-        (group,),
-        source=source,
-        count=source.size,
-        target=device.empty(source.size, np.uint32),
-    )
 
 
 def measure(device: tl.Device, domain: str, partitioning: str, patches: int) -> None:
@@ -65,7 +49,7 @@ def measure(device: tl.Device, domain: str, partitioning: str, patches: int) -> 
             "tessellate": lambda: tessellate_device(
                 domain, *on_device, partitioning, clockwise=True
             ),
-            "copy": copy_into_new_memory(device, nbytes),
+            "copy": bare_copy(device, nbytes, anew=True),
             "copy in place": bare_copy(device, nbytes),
         },
     )

@@ -21,8 +21,10 @@ def seen(mesh: tl.Mesh) -> np.ndarray:
 
 
 # 24 bicubic patches of our own; any .bpt file of the Utah teapot does as well
-pot = tl.curved.bezier(Path(__file__).parent / "data" / "pot.bpt", factor=7.5)
+nets = tl.curved.load_bpt(Path(__file__).parent / "data" / "pot.bpt")
+pot = tl.curved.bezier(nets, factor=7.5)
 print(pot, tl.crack_report(pot, closed=True))
+print(tl.curved.patch_continuity(nets))
 pot.save("pot.glb")
 pictures = [seen(pot)]
 
@@ -37,3 +39,9 @@ Image.fromarray(np.concatenate(pictures, axis=1)).save("curved_surfaces.png")
 knot = tl.curved.curve("torus_knot", p=2, q=5, tube=0.5)
 length = np.linalg.norm(np.diff(knot.points, axis=0), axis=1).sum()
 print(knot, f"{length:.2f} long")
+
+# four arcs that nearly are a circle: the same tangents and curvatures where they meet
+arc = np.array([(1, 0, 0), (1, 0.5523, 0), (0.5523, 1, 0), (0, 1, 0)])
+quarter = np.array([(0, 1, 0), (-1, 0, 0), (0, 0, 1)])
+arcs = [arc @ np.linalg.matrix_power(quarter, turns) for turns in range(4)]
+print(tl.curved.bezier_curve(arcs), tl.curved.curve_continuity(arcs, closed=True))

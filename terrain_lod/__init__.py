@@ -29,6 +29,7 @@ from .errors import (
     InputError,
     MissingExtraError,
     TerrainError,
+    WorkerError,
 )
 from .files.meshes.loading import load_mesh
 from .files.rasters.loading import load
@@ -49,21 +50,33 @@ from .mesh.hits import Hits
 from .mesh.mesh import Achieved, Mesh, Patches
 from .mesh.queries import MeshQueries
 from .numbered import Number, number
+from .pyramid.build import build
 from .reports.compare.compare import compare
 from .reports.compare.outcome import SweepReport
 from .reports.report import Report, report
+from .streaming.terrain import StreamingTerrain, open
 from .terrain.analysis import TileAnalysis, analyse
 from .terrain.lod import Lod, PromiseLod, Scene, Weighted
-from .terrain.lod_formulas import CoplanarityLod, DistanceLod, ScreenAreaLod, UniformLod
+from .terrain.lod_formulas import (
+    BookCoplanarityLod,
+    CoplanarityLod,
+    DistanceLod,
+    ScreenAreaLod,
+    UniformLod,
+)
 from .terrain.lod_promises import BudgetLod, MaxErrorLod, ScreenErrorLod
+from .terrain.steady import Steady
 from .terrain.terrain import Terrain
 from .tessellation.pattern import Pattern
 from .tessellation.semi_uniform import semi_uniform
 from .tessellation.tessellator import tessellate
+from .tilesets.journal import Record as TileRecord
+from .tilesets.write import TilesReport, write_tiles
 from .viewer.view import view
 
 __all__ = [
     "Achieved",
+    "BookCoplanarityLod",
     "BudgetLod",
     "Camera",
     "CoplanarityLod",
@@ -92,14 +105,20 @@ __all__ = [
     "ScreenAreaLod",
     "ScreenError",
     "ScreenErrorLod",
+    "Steady",
+    "StreamingTerrain",
     "SweepReport",
     "Terrain",
     "TerrainError",
     "TileAnalysis",
+    "TileRecord",
+    "TilesReport",
     "UniformLod",
     "VerticalError",
     "Weighted",
+    "WorkerError",
     "analyse",
+    "build",
     "compare",
     "crack_report",
     "curved",
@@ -110,6 +129,7 @@ __all__ = [
     "load_mesh",
     "normal_error",
     "number",
+    "open",
     "patch_errors",
     "pn_triangles",
     "pop_metric",
@@ -123,4 +143,5 @@ __all__ = [
     "tessellate",
     "vertical_error",
     "view",
+    "write_tiles",
 ]

@@ -8,6 +8,7 @@
     ├── DeviceError       (RuntimeError)  no such device, a kernel does not build or launch
     │   └── DeviceMemoryError             more bytes wanted than the device has
     ├── GraphicsError     (RuntimeError)  3-D pictures cannot be drawn on this machine
+    ├── WorkerError       (RuntimeError)  processes or a cluster died over their work
     └── MissingExtraError (ImportError)   an optional package is needed; the message names it
 
 Every message is one line: what was expected, what came, what to do.
@@ -38,6 +39,10 @@ class DeviceMemoryError(DeviceError):
 
 class GraphicsError(TerrainError, RuntimeError):
     """3-D pictures cannot be drawn here; the message names the command that mends it."""
+
+
+class WorkerError(TerrainError, RuntimeError):
+    """Processes, or a cluster, died over their work."""
 
 
 class MissingExtraError(TerrainError, ImportError):

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass, replace
 from typing import Any, ClassVar, Final, TypeVar
 
-from .arguments import finite, whole
+from .arguments import finite, flag, numbers, text, whole
 from .errors import InputError
 
 TILE: Final = "tile"
@@ -62,6 +62,19 @@ class Number:
     start: float | str | None = None
     required: bool = False
 
+    def __post_init__(self) -> None:
+        for name in ("default", "low", "high", "step", "start"):
+            value = getattr(self, name)
+            endless = name in ("low", "high") and isinstance(value, float) and math.isinf(value)
+            missing = value is None and name in ("default", "low", "start")
+            from_tile = name == "start" and isinstance(value, str) and value == TILE
+            if not (endless or missing or from_tile):
+                object.__setattr__(self, name, finite(name, value))
+        if self.shown is not None:
+            object.__setattr__(self, "shown", numbers("shown", self.shown, "low", "high"))
+        text("help", self.help), text("unit", self.unit)
+        flag("logarithmic", self.logarithmic), flag("required", self.required)
+
     def checked(self, name: str, value: object) -> float:
         """Return `value` as a float, or an int where only whole numbers will do.
 
@@ -97,14 +110,14 @@ class Number:
     def begin(self, diagonal: float, tile: int | None = None) -> float | None:
         """Return what a viewer of something of such a `diagonal` begins with."""
         if self.start == TILE:
-            return float(tile) if tile else self.default
-        if isinstance(self.start, float | int):
+            return self.default if tile is None else finite("tile", tile)
+        if isinstance(self.start, float):
             return self._scale(diagonal) * self.start
         slider = self.slider(diagonal)
         return slider[0] if self.default is None and slider else self.default
 
     def _scale(self, diagonal: float) -> float:
-        return diagonal if self.unit == "m" else 1.0
+        return finite("diagonal", diagonal) if self.unit == "m" else 1.0
 
 
 def number(default: float | Number | object | None = MISSING, **what: Any) -> Any:

@@ -17,14 +17,19 @@ from terrain_lod.viewer.view import look
 
 # a name, its defaults, and why they differ
 DIFFERENT: dict[str, tuple[set[object], str]] = {
-    "closed": ({False, ""}, "whether a mesh is said to be; along which parameters a surface is"),
+    "closed": (
+        {False, "", (False, False)},
+        "whether a mesh or a curve is; along which parameters a surface, a net of points is",
+    ),
     "curved": ({True, False}, "displacing moves all of a mesh, a dent leaves plane what it misses"),
     "cull": ({True, False}, "a file is looked at from anywhere, a picture from its camera"),
-    "factor": ({5.0, 15.0}, "a dent needs the segments that its map has samples"),
     "maximum": ({5, 15.0, 64.0}, "levels; segments of a tile; all that a partitioning has"),
     "near": ({0.0, 0.1}, "of formulas, a distance; of a camera, where the depth buffer begins"),
     "origin": ({(0.0, 0.0), (0.0, 0.0, 0.0)}, "of a raster, of the world"),
-    "pixels": ({0.0, 0.5, 1.0, 8.0}, "of a budget; off a curve; off the ground; along a segment"),
+    "pixels": (
+        {0.0, 0.5, 1.0, 8.0, 16.0},
+        "of a budget; off a curve; off the ground; along a segment; of a plane's deviation",
+    ),
     "sharp": ({True, False}, "split normals are sharp either way; the option asks for angles"),
 }
 
@@ -75,7 +80,6 @@ def test_defaults_that_users_rely_on() -> None:
     for name, value in (
         ("fov", 45.0),
         ("size", (1920, 1080)),
-        ("tile", 15),
         ("partitioning", "fractional_odd"),
         ("plane", "least_squares"),
         ("sun", (315.0, 40.0)),

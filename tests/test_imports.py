@@ -21,19 +21,25 @@ ROOMS = {
     "errors": "",
     "arguments": "errors",
     "paths": "errors",
+    "tasks": "errors",
     "numbered": "errors arguments",
-    "device": "errors",
+    "device": "errors arguments",
     "ground": "errors arguments device",
     "camera": "errors arguments device ground",
     "tessellation": "errors arguments device",
-    "mesh": "errors device ground",
+    "mesh": "errors arguments device ground",
     "files": "errors arguments paths ground mesh",
-    "terrain": "errors arguments paths numbered device ground camera tessellation mesh",
+    "sources": "errors ground files",
+    "pyramid": "errors arguments tasks sources",
+    "terrain": "errors arguments numbered device ground camera tessellation mesh",
+    "streaming": "errors arguments device ground camera mesh files pyramid terrain",
     "curved": "errors arguments numbered device camera tessellation mesh files",
     "reference": "device ground camera tessellation mesh terrain",
-    "measure": "errors device ground camera mesh reference",
-    "drawing": "errors arguments paths device ground camera tessellation mesh terrain",
+    "measure": "errors arguments device ground camera mesh reference",
+    "drawing": """errors arguments paths device ground camera tessellation mesh terrain
+                  streaming""",
     "accessor": "ground mesh measure",
+    "tilesets": "errors arguments paths tasks device ground terrain",
     "checks": """errors numbered device ground camera tessellation mesh terrain curved reference
                  measure""",
     "viewer": """errors arguments paths numbered device ground camera mesh files terrain curved
@@ -41,7 +47,8 @@ ROOMS = {
     "reports": """errors arguments paths numbered device ground camera mesh terrain measure drawing
                   checks""",
     "cli": """interrupts errors arguments paths numbered device ground camera tessellation mesh
-              files terrain curved measure drawing viewer reports""",
+              files sources pyramid terrain streaming curved measure drawing tilesets viewer
+              reports""",
     "__main__": "cli",
 }
 # within a function, so that a value can offer what is written above it
@@ -54,9 +61,13 @@ LATE = {
 # a value that offers its writer, which has to know it: but for these, imports run one way
 WRITERS = {("mesh.mesh", "files.meshes.export")}
 # only there, so that everything else runs without them
-GUARDED = {"pyopencl": {"device"}, "rasterio": {"files.rasters.readers_gdal"}}
+GUARDED = {
+    "pyopencl": {"device"},
+    "rasterio": {"files.rasters.readers_gdal"},
+    "pyproj": {"tilesets.place", "tilesets.geoid"},
+}
 # nobody waits for these on import
-HEAVY = ("pyvista", "vtkmodules", "matplotlib", "rasterio", "skimage", "scipy", "rich")
+HEAVY = ("pyvista", "vtkmodules", "matplotlib", "rasterio", "skimage", "scipy", "rich", "zarr")
 
 
 def module_of(path: Path) -> str:

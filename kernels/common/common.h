@@ -41,15 +41,19 @@ inline int tile_column(Grid grid, int index)
                                      : grid.columns - 1;
 }
 
-inline Tile tile_at(Grid grid, int index)
+inline Tile tile_in(Grid grid, int down, int across)
 {
-    const int down = index / grid.tile_columns, across = index % grid.tile_columns;
     Tile tile;
     tile.row = tile_row(grid, down);
     tile.column = tile_column(grid, across);
     tile.cells_down = tile_row(grid, down + 1) - tile.row;
     tile.cells_across = tile_column(grid, across + 1) - tile.column;
     return tile;
+}
+
+inline Tile tile_at(Grid grid, int index)
+{
+    return tile_in(grid, index / grid.tile_columns, index % grid.tile_columns);
 }
 
 inline int tile_count(Grid grid)

@@ -5,6 +5,8 @@
 //   scan_sums      0 |     8 |  23 | 31     scanned by one work-group; the last is the total
 //   scan_blocks 0 3 4 | 8 9 14 | 23 25 | 31
 //
+//   scan_one   0 3 4   8 9 14   23 25   31     all of it by one work-group, where it is short
+//
 // Totals are 64-bit, so that the host learns of an overflow before anything is allocated.
 //
 // After Blelloch, "Prefix sums and their applications", 1990, section 1.2.
@@ -83,4 +85,27 @@ __kernel void scan_blocks(uint count,
     // the last item that has anything to add up ends at the total
     if (get_global_id(0) == 0)
         offsets[count] = sums[get_num_groups(0)];
+}
+
+__kernel void scan_one(uint count,
+                       __global const uint *counts,     // (count)
+                       __global ulong *total,           // (1)
+                       __global uint *offsets)          // (count + 1)
+{
+    __local ulong scratch[GROUP];
+    // each item takes a run
+    const uint run = (count + GROUP - 1) / GROUP;
+    const uint begin = min(count, (uint)get_local_id(0) * run), end = min(count, begin + run);
+    ulong sum = 0;
+    for (uint i = begin; i < end; ++i)
+        sum += counts[i];
+    ulong before = sum_before(sum, scratch);
+    for (uint i = begin; i < end; ++i) {
+        offsets[i] = before;
+        before += counts[i];
+    }
+    if (get_local_id(0) == GROUP - 1) {
+        offsets[count] = before;
+        *total = before;
+    }
 }

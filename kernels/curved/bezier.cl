@@ -15,7 +15,12 @@
 // After Farin, "Curves and Surfaces for CAGD", chapters 4 (derivatives of a Bezier curve) and 14
 // (tensor products).
 //
-// Built with: GROUP work-items a patch.
+// Where patches only approximate a smooth surface, normals come from fields of tangents that do fit
+// at edges: along u quadratic in u and cubic in v, along v the other way round (Loop and Schaefer,
+// "Approximating Catmull-Clark Subdivision Surfaces with Bicubic Patches", 2008).
+//
+// Built with: GROUP work-items a patch, LANES points side by side, TANGENTS (0 or 1).
+#include "common/lanes.h"
 #include "layout.h"
 
 // the same bits from both sides of an edge
@@ -131,8 +136,84 @@ inline float3 limit_normal(__global const float4 *net, float shrink, uint u, uin
     return (float3)(0.0f, 0.0f, 1.0f);
 }
 
+// Bernstein polynomials of degrees 3 and 2 at points side by side
+typedef struct {
+    Real cubic[4], quadratic[3];
+} Blend;
+
+inline Blend blend_at(Real s, Real t)
+{
+    const Blend blend = {
+        {t * t * t, 3.0f * (s * t * t), 3.0f * (s * t * s), s * s * s},
+        {t * t, 2.0f * (s * t), s * s},
+    };
+    return blend;
+}
+
+// from both ends alike
+inline Real cubic_of(const Blend w, Real a, Real b, Real c, Real d)
+{
+    return (w.cubic[0] * a + w.cubic[3] * d) + (w.cubic[1] * b + w.cubic[2] * c);
+}
+
+inline Real quadratic_of(const Blend w, Real a, Real b, Real c)
+{
+    return (w.quadratic[0] * a + w.quadratic[2] * c) + w.quadratic[1] * b;
+}
+
+typedef struct {
+    Real at[3], u[3], v[3];         // position, and tangents up to their lengths
+} Points;
+
+#define FIELD 12
+
+// one of x, y and z of control points that lie `step` floats apart
+inline Real cubic_along(const Blend w, __global const float *points, int step)
+{
+    return cubic_of(w, points[0], points[step], points[2 * step], points[3 * step]);
+}
+
+inline Points points_at(const Blend u, const Blend v, __global const float *net, float shrink
+#if TANGENTS
+                        , __global const float *along_u, __global const float *along_v
+#endif
+                        )
+{
+    Points found;
+    for (int axis = 0; axis < 3; ++axis) {
+        Real rows[4];
+        for (int i = 0; i < 4; ++i)
+            rows[i] = cubic_along(v, net + 16 * i + axis, 4);
+        found.at[axis] = cubic_of(u, rows[0], rows[1], rows[2], rows[3]);
+#if TANGENTS
+        // 3 along u and 4 along v; and 4 along u and 3 along v
+        __global const float *field = along_u + axis, *other = along_v + axis;
+        found.u[axis] = shrink * quadratic_of(u, cubic_along(v, field, 4),
+                                              cubic_along(v, field + 16, 4),
+                                              cubic_along(v, field + 32, 4));
+        found.v[axis] = shrink * quadratic_of(v, cubic_along(u, other, 12),
+                                              cubic_along(u, other + 4, 12),
+                                              cubic_along(u, other + 8, 12));
+#else
+        Real slopes[4];
+        for (int i = 0; i < 4; ++i) {
+            __global const float *row = net + 16 * i + axis;
+            slopes[i] = quadratic_of(v, row[4] - row[0], row[8] - row[4], row[12] - row[8]);
+        }
+        found.u[axis] = 3.0f * shrink * quadratic_of(u, rows[1] - rows[0], rows[2] - rows[1],
+                                                     rows[3] - rows[2]);
+        found.v[axis] = 3.0f * shrink * cubic_of(u, slopes[0], slopes[1], slopes[2], slopes[3]);
+#endif
+    }
+    return found;
+}
+
 __kernel void bezier(const int patches,
                      __global const float4 *nets,           // (P, 4, 4) control points, .w unused
+#if TANGENTS
+                     __global const float4 *along_u,        // (P, 3, 4) control vectors
+                     __global const float4 *along_v,        // (P, 4, 3)
+#endif
                      __global const uint *point_offsets,    // (P + 1,)
                      __global const uint2 *points,          // (N,) u, v in 16.16
                      __global float *positions,             // (N, 3)
@@ -141,19 +222,44 @@ __kernel void bezier(const int patches,
     for (int patch = get_group_id(0); patch < patches; patch += get_num_groups(0)) {
         __global const float4 *net = nets + NET * patch;
         const float size = extent(net), shrink = size > 0.0f ? 1.0f / size : 0.0f;
-        for (uint i = point_offsets[patch] + get_local_id(0); i < point_offsets[patch + 1];
-             i += GROUP) {
-            const Sheet sheet = sheet_at(net, points[i].x, points[i].y);
-            float3 normal = crossed(shrink * sheet.u, shrink * sheet.v);
-            if (!is_normal(normal))
-                normal = limit_normal(net, shrink, points[i].x, points[i].y);
-            normal /= sqrt(squared(normal));
-            positions[3 * i + 0] = sheet.at.x;
-            positions[3 * i + 1] = sheet.at.y;
-            positions[3 * i + 2] = sheet.at.z;
-            normals[3 * i + 0] = normal.x;
-            normals[3 * i + 1] = normal.y;
-            normals[3 * i + 2] = normal.z;
+        const uint end = point_offsets[patch + 1];
+        for (uint first = point_offsets[patch] + LANES * get_local_id(0); first < end;
+             first += LANES * GROUP) {
+            Real u, v, s, t;
+            for (int lane = 0; lane < LANES; ++lane) {
+                const uint2 point = points[min(first + lane, end - 1)];
+                SET_LANE(u, lane, point.x * (1.0f / FIXED_ONE));
+                SET_LANE(v, lane, point.y * (1.0f / FIXED_ONE));
+                SET_LANE(s, lane, (FIXED_ONE - point.x) * (1.0f / FIXED_ONE));
+                SET_LANE(t, lane, (FIXED_ONE - point.y) * (1.0f / FIXED_ONE));
+            }
+            const Points found = points_at(blend_at(u, s), blend_at(v, t),
+                                           (__global const float *)net, shrink
+#if TANGENTS
+                                           , (__global const float *)(along_u + FIELD * patch)
+                                           , (__global const float *)(along_v + FIELD * patch)
+#endif
+                                           );
+            const Real x = found.u[1] * found.v[2] - found.u[2] * found.v[1];
+            const Real y = found.u[2] * found.v[0] - found.u[0] * found.v[2];
+            const Real z = found.u[0] * found.v[1] - found.u[1] * found.v[0];
+            const Real length = sqrt(x * x + y * y + z * z);
+            for (int lane = 0; lane < LANES && first + lane < end; ++lane) {
+                const uint i = first + lane;
+                float3 normal = (float3)(LANE(x, lane), LANE(y, lane), LANE(z, lane));
+                if (LANE(length, lane) > LEAST) {
+                    normal /= LANE(length, lane);
+                } else {
+                    normal = limit_normal(net, shrink, points[i].x, points[i].y);
+                    normal /= sqrt(squared(normal));
+                }
+                positions[3 * i + 0] = LANE(found.at[0], lane);
+                positions[3 * i + 1] = LANE(found.at[1], lane);
+                positions[3 * i + 2] = LANE(found.at[2], lane);
+                normals[3 * i + 0] = normal.x;
+                normals[3 * i + 1] = normal.y;
+                normals[3 * i + 2] = normal.z;
+            }
         }
     }
 }

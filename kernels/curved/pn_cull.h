@@ -36,14 +36,15 @@ inline void control_points(__global const float *net, float3 *controls)
     controls[9] = sum / 3.0f + vector_at(net, NET_MIDDLE) / 6.0f;
 }
 
-inline bool out_of_view(const float3 *controls, const View view)
+// points of the patch may have been moved by so much
+inline bool out_of_view(const float3 *controls, float moved, const View view)
 {
     float3 low = controls[0], high = controls[0];
     for (int i = 1; i < CONTROLS; ++i) {
         low = fmin(low, controls[i]);
         high = fmax(high, controls[i]);
     }
-    return outside_frustum(view, low, high);
+    return outside_frustum(view, low - moved, high + moved);
 }
 
 inline float3 tangent_along(int side, int i, const float3 *controls)

@@ -19,7 +19,7 @@ __kernel void pn_patches(const int triangles, const View view,
     if (cull_frustum || back_cosine < 1.0f) {
         float3 controls[CONTROLS];
         control_points(nets + (size_t)triangle * (3 * NET_VECTORS), controls);
-        culled = (cull_frustum && out_of_view(controls, view))
+        culled = (cull_frustum && out_of_view(controls, 0.0f, view))
               || (back_cosine < 1.0f && seen_from_behind(controls, view, back_cosine));
     }
     float inside = 0.0f;

@@ -19,30 +19,29 @@ inline float cells_along(Coordinate c)
     return c.cell + c.fraction * (1.0f / FIXED_ONE);
 }
 
-// the gradients at the four samples around, bilinear as well; on a sample there is just one
-inline float2 gradient_between(const Ground ground, Coordinate column, Coordinate row)
+// the rises at the four samples around, bilinear as well; on a sample there is just one
+inline float2 rise_between(const Ground ground, Coordinate column, Coordinate row)
 {
     if (is_inner_cell(ground, row.cell, column.cell))
-        return inner_gradient(ground, row.cell, column.cell,
-                              column.fraction * (1.0f / FIXED_ONE),
-                              row.fraction * (1.0f / FIXED_ONE));
-    float2 gradient = sample_gradient(ground, row.cell, column.cell);
+        return inner_rise(ground, row.cell, column.cell, column.fraction * (1.0f / FIXED_ONE),
+                          row.fraction * (1.0f / FIXED_ONE));
+    float2 rise = sample_rise(ground, row.cell, column.cell);
     if (column.fraction > 0) {
-        const float2 right = sample_gradient(ground, row.cell, column.cell + 1);
-        gradient.x = blend(gradient.x, right.x, column.fraction);
-        gradient.y = blend(gradient.y, right.y, column.fraction);
+        const float2 right = sample_rise(ground, row.cell, column.cell + 1);
+        rise.x = blend(rise.x, right.x, column.fraction);
+        rise.y = blend(rise.y, right.y, column.fraction);
     }
     if (row.fraction > 0) {
-        float2 below = sample_gradient(ground, row.cell + 1, column.cell);
+        float2 below = sample_rise(ground, row.cell + 1, column.cell);
         if (column.fraction > 0) {
-            const float2 right = sample_gradient(ground, row.cell + 1, column.cell + 1);
+            const float2 right = sample_rise(ground, row.cell + 1, column.cell + 1);
             below.x = blend(below.x, right.x, column.fraction);
             below.y = blend(below.y, right.y, column.fraction);
         }
-        gradient.x = blend(gradient.x, below.x, row.fraction);
-        gradient.y = blend(gradient.y, below.y, row.fraction);
+        rise.x = blend(rise.x, below.x, row.fraction);
+        rise.y = blend(rise.y, below.y, row.fraction);
     }
-    return gradient;
+    return rise;
 }
 
 __kernel void domain(const Grid grid,
@@ -67,7 +66,7 @@ __kernel void domain(const Grid grid,
             const int2 place = place_of(placing, points[i]);
             const Coordinate column = global_coordinate(placing.tile.column, place.x);
             const Coordinate row = global_coordinate(placing.tile.row, place.y);
-            const float3 normal = normal_of(gradient_between(ground, column, row));
+            const float3 normal = normal_of(grid, rise_between(ground, column, row));
             positions[3 * i + 0] = cells_along(column) * grid.dx;
             positions[3 * i + 1] = -cells_along(row) * grid.dy;
             positions[3 * i + 2] = lifted(set, i, height_between(ground, column, row));

@@ -17,6 +17,22 @@
 #include "terrain/levels.h"
 #include "terrain/strip.h"
 
+// The largest error of a strip's samples between its two rows of points; beyond `enough` it is not sought.
+inline float strip_error(const Ground ground, const Strip strip, float enough)
+{
+    Points outer, inner;
+    uchar steps[2 * MOST_POINTS];
+    for (int i = 0; i <= strip.outer; ++i)
+        put_point(ground, strip.frame, strip.outer, i, 0.0f, &outer, i);
+    for (int i = 1; i < strip.inner; ++i)
+        put_point(ground, strip.frame, strip.inner, i, strip.depth, &inner, i - 1);
+    step_rows(strip.outer, strip.inner, steps);
+    float error = 0.0f;
+    for (int row = 1; row < strip.depth && error <= enough; ++row)
+        error = larger(strip_row_error(ground, strip, &outer, &inner, steps, row, 1), error);
+    return error;
+}
+
 // Does the strip along an edge, to an inside of these factors, hold?
 inline bool strip_holds(const Ground ground, Tile tile, int edge, float edge_factor, int2 insides,
                         float error)

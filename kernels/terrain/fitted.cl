@@ -48,22 +48,23 @@
 
 __kernel void rooms(const Grid grid, const Tree tree,
                     __global const float4 *details,             // (N,)
-                    const View view, const int cull,
-                    const float metres, const float pixels,     // INFINITY where not asked for
-                    __global const float *weights,              // (N,) that errors count
+                    ALLOWANCE_ARGUMENTS
                     const int count, __global const int *leaves,
                     __global const float *edge_factors,         // (P, 4) 0 where a leaf was split
-                    __global float *allowed)                    // (P,) 0 where nothing is drawn
+                    __global float *allowed,                    // (P,) 0 where nothing is drawn
+                    __global uchar *drawn)                      // (P,)
 {
     const int leaf = get_global_id(0);
     if (leaf >= count)
         return;
     allowed[leaf] = 0.0f;
-    if (edge_factors[leaf * EDGES] == 0.0f)
+    drawn[leaf] = edge_factors[leaf * EDGES] > 0.0f;
+    if (!drawn[leaf])
         return;
+    const Allowance allowance = ALLOWANCE;
     const int index = leaves[leaf];
-    const float error = allowed_of(grid, view, cull, metres, pixels, node_tile(grid, node_at(tree, index)),
-                                   details[index], weights[index]);
+    const float error = allowed_of(grid, allowance, node_tile(grid, node_at(tree, index)), details[index],
+                                   index);
     allowed[leaf] = error > 0.0f ? error : 0.0f;
 }
 

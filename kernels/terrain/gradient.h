@@ -7,11 +7,15 @@
 // At the border and beside holes a difference is taken to the sample itself, one-sided, and still
 // exact on a plane. (The book's listing 9.9 has neither spacing nor a true third component.)
 //
-// Differences come first and weights after: heights far from zero would drown them.
+// Differences come first and weights after: heights far from zero would drown them. They are those
+// of a 32nd of the heights, so that none passes float's range; and they stay rises a cell until
+// the normal is made, as slopes may pass it, too.
 #ifndef GRADIENT_H
 #define GRADIENT_H
 
 #include "terrain/ground.h"
+
+#define PART (1.0f / 32.0f)
 
 inline bool has_sample(const Ground ground, int row, int column)
 {
@@ -29,14 +33,14 @@ inline void add_difference(const Ground ground, int row, int column, int row_ste
     if (ahead + behind == 0 || (ahead + behind == 1 && !has_sample(ground, row, column)))
         return;
     const float difference =
-        sample_height(ground, row + ahead * row_step, column + ahead * column_step)
-        - sample_height(ground, row - behind * row_step, column - behind * column_step);
+        PART * sample_height(ground, row + ahead * row_step, column + ahead * column_step)
+        - PART * sample_height(ground, row - behind * row_step, column - behind * column_step);
     *sum += weight * difference / (ahead + behind);
     *weights += weight;
 }
 
-// rise a metre to the east and to the north
-inline float2 sample_gradient(const Ground ground, int row, int column)
+// a 32nd of the rise a cell to the east and to the north
+inline float2 sample_rise(const Ground ground, int row, int column)
 {
     float east = 0.0f, south = 0.0f, east_weights = 0.0f, south_weights = 0.0f;
     for (int step = -1; step <= 1; ++step) {
@@ -47,21 +51,24 @@ inline float2 sample_gradient(const Ground ground, int row, int column)
         if (column + step >= 0 && column + step < ground.grid.columns)
             add_difference(ground, row, column + step, 1, 0, weight, &south, &south_weights);
     }
-    return (float2)(east_weights > 0.0f ? east / (east_weights * ground.grid.dx) : 0.0f,
-                    south_weights > 0.0f ? -south / (south_weights * ground.grid.dy) : 0.0f);
+    return (float2)(east_weights > 0.0f ? east / east_weights : 0.0f,
+                    south_weights > 0.0f ? -south / south_weights : 0.0f);
 }
 
 // four floats at any address
 typedef float4 Samples4 __attribute__((aligned(4)));
 
-// four samples of a row, from here on
+// a 32nd of four samples of a row, from here on
 inline float4 four_samples(const Ground ground, int row, int column)
 {
 #if DETAIL
-    return (float4)(sample_height(ground, row, column), sample_height(ground, row, column + 1),
-                    sample_height(ground, row, column + 2), sample_height(ground, row, column + 3));
+    return PART * (float4)(sample_height(ground, row, column),
+                           sample_height(ground, row, column + 1),
+                           sample_height(ground, row, column + 2),
+                           sample_height(ground, row, column + 3));
 #else
-    return *(__global const Samples4 *)(ground.heights + sample_index(ground.grid, row, column));
+    return PART
+         * *(__global const Samples4 *)(ground.heights + sample_index(ground.grid, row, column));
 #endif
 }
 
@@ -79,7 +86,7 @@ inline bool is_inner_cell(const Ground ground, int row, int column)
     return whole;
 }
 
-// In an inner cell: the gradients of the four samples around, blended, from 4 x 4 samples.
+// In an inner cell: the rises at the four samples around, blended, from 4 x 4 samples.
 //
 //     blending the four operators is one operator with the weights
 //
@@ -87,7 +94,7 @@ inline bool is_inner_cell(const Ground ground, int row, int column)
 //                             -(1 - x)  -x     1 - x   x       along them
 //
 //     each an eighth of that, so that no sum is larger than a difference
-inline float2 inner_gradient(const Ground ground, int row, int column, float x, float y)
+inline float2 inner_rise(const Ground ground, int row, int column, float x, float y)
 {
     const float4 a = four_samples(ground, row - 1, column - 1);
     const float4 b = four_samples(ground, row, column - 1);
@@ -100,20 +107,29 @@ inline float2 inner_gradient(const Ground ground, int row, int column, float x, 
     const float west_to_east = (1.0f - x) * eastward.x + x * eastward.y;
     const float south_to_north = (1.0f - x) * northward.x + (2.0f - x) * northward.y
                                + (1.0f + x) * northward.z + x * northward.w;
-    return (float2)(west_to_east / ground.grid.dx, south_to_north / ground.grid.dy);
+    return (float2)(west_to_east, south_to_north);
 }
 
-// unit normal of a surface with this gradient
-inline float3 normal_of(float2 gradient)
+// unit normal of a surface that rises so, in 32nds, a cell
+inline float3 normal_of(const Grid grid, float2 rise)
 {
-    const float x = gradient.x < 0.0f ? -gradient.x : gradient.x;
-    const float y = gradient.y < 0.0f ? -gradient.y : gradient.y;
-    // squares of very steep gradients overflow
-    const float steepest = x > y ? x : y;
-    const float scale = steepest > 1e15f ? 1.0f / steepest : 1.0f;
-    const float east = -gradient.x * scale, north = -gradient.y * scale;
-    const float inverse = 1.0f / sqrt(east * east + north * north + scale * scale);
-    return (float3)(east * inverse, north * inverse, scale * inverse);
+    float up = PART;
+    float east = rise.x / grid.dx, north = rise.y / grid.dy;
+    if (isinf(east) || isinf(north)) {
+        // such steep slopes stay far from zero
+        const float small = 0x1p-120f;
+        up *= small;
+        east = small * rise.x / grid.dx;
+        north = small * rise.y / grid.dy;
+    }
+    // squares of very steep ones overflow
+    const float steepest = fmax(fmax(fabs(east), fabs(north)), up);
+    const float scale = steepest > 1e15f || up < PART ? 1.0f / steepest : 1.0f;
+    east *= scale;
+    north *= scale;
+    up *= scale;
+    const float inverse = 1.0f / sqrt(east * east + north * north + up * up);
+    return (float3)(-east * inverse, -north * inverse, up * inverse);
 }
 
 #endif

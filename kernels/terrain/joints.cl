@@ -21,6 +21,7 @@
 
 #define LINE ((TILE << FINER) + 2)
 #define MOST_SEGMENTS 64
+#define OF_OTHER -1     // a side's factor: that of the leaf beside it
 
 inline Node node_across(const Node node, int side)
 {
@@ -35,6 +36,53 @@ inline int2 side_start(const Tile tile, int side)
                   side == 3 ? tile.row + tile.cells_down : tile.row);
 }
 
+// The heights of a line's samples, `stride` apart; the last is the line's end.
+typedef struct {
+    int cells, stride, lines;
+    float heights[LINE];
+} SideLine;
+
+// height of vertex i of f segments
+inline float line_vertex(const SideLine *line, int i, int f)
+{
+    const int vertex = i * line->cells, west = vertex / (f * line->stride);
+    const int east = min(west + 1, line->lines);
+    const int width = min(east * line->stride, line->cells) - west * line->stride;
+    const float t = east == west ? 0.0f : (float)(vertex - west * f * line->stride) / (f * width);
+    return line->heights[west] + (line->heights[east] - line->heights[west]) * t;
+}
+
+// `on` of f segments, times the cells, lie between vertex i and sample k
+inline float line_error(const SideLine *line, int k, float start, float end, int on)
+{
+    return absolute(start + (end - start) * ((float)on / line->cells) - line->heights[k]);
+}
+
+// Do f segments stay within `room` of all samples? `worst` is one that they may not.
+inline bool line_holds(const SideLine *line, int f, float room, int *worst)
+{
+    const int step = line->stride * f, segment = *worst * step / line->cells;
+    if (line_error(line, *worst, line_vertex(line, segment, f), line_vertex(line, segment + 1, f),
+                   *worst * step - segment * line->cells) > room)
+        return false;
+    float start = 0.0f, end = line->heights[0];
+    for (int k = 1, i = 0, on = 0; k < line->lines; ++k) {
+        on += step;
+        const int before = i;
+        for (; i == 0 || on >= line->cells; ++i)
+            on -= i > 0 ? line->cells : 0;
+        if (i > before) {
+            start = i == before + 1 ? end : line_vertex(line, i - 1, f);
+            end = line_vertex(line, i, f);
+        }
+        if (line_error(line, k, start, end, on) > room) {
+            *worst = k;
+            return false;
+        }
+    }
+    return true;
+}
+
 // The fewest segments along a side that stay within `room` of the lattice's samples on it. What both sides
 // of it ask for is the same, to the bit.
 inline int side_segments(const Ground ground, const Tile tile, int stride, int side, float room)
@@ -42,36 +90,20 @@ inline int side_segments(const Ground ground, const Tile tile, int stride, int s
     const bool down = side % 2 == 0;
     const int cells = edge_cells(tile, side), most = min(TILE, cells);
     const int2 start = side_start(tile, side);
-    float heights[LINE];
-    const int lines = (cells + stride - 1) / stride;
-    for (int k = 0; k <= lines; ++k) {
+    SideLine line;
+    line.cells = cells;
+    line.stride = stride;
+    line.lines = (cells + stride - 1) / stride;
+    for (int k = 0; k <= line.lines; ++k) {
         const int along = min(k * stride, cells);
-        heights[k] = down ? sample_height(ground, start.y + along, start.x)
-                          : sample_height(ground, start.y, start.x + along);
+        line.heights[k] = down ? sample_height(ground, start.y + along, start.x)
+                               : sample_height(ground, start.y, start.x + along);
     }
-    for (int f = 1; f < most; ++f) {
-        float error = 0.0f, ends[2] = {0.0f, 0.0f};
-        int segment = -1;
-        for (int k = 1; k < lines && error <= room; ++k) {
-            const int place = k * stride * f, here = place / cells;
-            if (here != segment) {
-                segment = here;
-                for (int end = 0; end < 2; ++end) {
-                    const int vertex = (here + end) * cells, line = vertex / (f * stride);
-                    const int next = min(line + 1, lines);
-                    const int width = min(next * stride, cells) - line * stride;
-                    const float t = next == line
-                        ? 0.0f : (float)(vertex - line * f * stride) / (f * width);
-                    ends[end] = heights[line] + (heights[next] - heights[line]) * t;
-                }
-            }
-            const float z = ends[0] + (ends[1] - ends[0]) * ((float)(place - here * cells) / cells);
-            error = larger(error, absolute(z - heights[k]));
-        }
-        if (error <= room)
-            return f;
-    }
-    return most;
+    int worst = line.lines / 2;
+    int f = 1;
+    while (f < most && !line_holds(&line, f, room, &worst))
+        ++f;
+    return f;
 }
 
 // what the errors of a leaf's pattern may use, beside its lattice's own
@@ -95,37 +127,52 @@ inline bool is_piece(const Tree tree, __global const uint *marks, uint stamp, co
     const int count, __global const int *leaves, __global const float *shares,      /* (P,) */     \
     __global const int *leaf_of                 /* (N,) */
 
-__kernel void side_factors(LEAF_ARGUMENTS, __global int *factors)       // (P, 4) 0 where not a piece
+// Sides that are a piece of both leaves beside them are found by the western and the northern one.
+__kernel void side_factors(LEAF_ARGUMENTS, __global int *factors,       // (P, 4) 0 where not a piece
+                           __global float *rooms)                       // (P, 4) that they were found for
 {
-    const int leaf = get_global_id(0);
-    if (leaf >= count)
+    const int i = get_global_id(0);
+    if (i >= count * EDGES)
         return;
+    const int leaf = i / EDGES, side = i % EDGES, index = leaves[leaf];
     const Ground ground = {grid, heights, holes, detail_heights};
-    const int index = leaves[leaf];
     const Node node = node_at(tree, index);
     if (mark_of(marks, stamp, index) != LEAF)
         return;
-    const Tile tile = node_tile(grid, node);
-    const float own = room_of(allowed[index], shares[leaf], details[index].x);
-    for (int side = 0; side < EDGES; ++side) {
-        factors[leaf * EDGES + side] = 0;
-        if (!is_piece(tree, marks, stamp, node, side))
-            continue;
-        float room = own;
-        bool holed = details[index].w > 0.0f;
-        const Node across = node_across(node, side);
-        if (is_in_tree(tree, across)) {
-            const int cover = node_index(tree, cover_of(tree, marks, stamp, across));
-            // tiles with holes are meshed in full, their sides too
-            holed |= node.level == 0 && details[node_index(tree, across)].w > 0.0f;
-            if (mark_of(marks, stamp, cover) == LEAF)
-                room = smaller(room, room_of(allowed[cover], shares[leaf_of[cover]],
-                                             details[cover].x));
-        }
-        factors[leaf * EDGES + side] = holed || !(room > 0.0f)
-            ? min(TILE, edge_cells(tile, side))
-            : side_segments(ground, tile, stride_of(node.level), side, room);
+    if (!is_piece(tree, marks, stamp, node, side)) {
+        factors[i] = 0;
+        return;
     }
+    float room = room_of(allowed[index], shares[leaf], details[index].x);
+    bool holed = details[index].w > 0.0f;
+    const Node across = node_across(node, side);
+    if (is_in_tree(tree, across)) {
+        const int beside = node_index(tree, across);
+        if (side < 2 && mark_of(marks, stamp, beside) == LEAF) {
+            factors[i] = OF_OTHER;
+            return;
+        }
+        const int cover = node_index(tree, cover_of(tree, marks, stamp, across));
+        // tiles with holes are meshed in full, their sides too
+        holed |= node.level == 0 && details[beside].w > 0.0f;
+        if (mark_of(marks, stamp, cover) == LEAF)
+            room = smaller(room, room_of(allowed[cover], shares[leaf_of[cover]], details[cover].x));
+    }
+    // what was found in another round
+    if (factors[i] > 0 && rooms[i] == room)
+        return;
+    const Tile tile = node_tile(grid, node);
+    rooms[i] = room;
+    factors[i] = holed || !(room > 0.0f) ? min(TILE, edge_cells(tile, side))
+                                         : side_segments(ground, tile, stride_of(node.level), side, room);
+}
+
+inline int own_factor(const Tree tree, __global const int *leaf_of, __global const int *factors, int leaf,
+                      const Node node, int side)
+{
+    const int own = factors[leaf * EDGES + side];
+    return own != OF_OTHER ? own
+         : factors[leaf_of[node_index(tree, node_across(node, side))] * EDGES + (side + 2) % EDGES];
 }
 
 // a walk along the pieces of a side
@@ -152,7 +199,7 @@ typedef struct {
     int level;
 } Piece;
 
-inline Piece next_piece(const Ground ground, const Tree tree, __global const float4 *details,
+__attribute__((always_inline)) inline Piece next_piece(const Ground ground, const Tree tree, __global const float4 *details,
                         __global const uint *marks, uint stamp, __global const int *leaf_of,
                         __global const int *factors, const Tile leaf_tile, int side, float room,
                         Walk *walk)
@@ -179,33 +226,43 @@ inline Piece next_piece(const Ground ground, const Tree tree, __global const flo
     return piece;
 }
 
-// How many points each side has, and whether it is as it was before; FILL puts them.
-inline int side_points(LEAF_ARGUMENTS, __global const int *factors, int leaf, int side, uint *key,
+// Puts the points of a piece; returns how many segments it has.
+inline int put_piece(const Piece piece, __global int *places)
+{
+    const int f = piece.segments;
+    for (int k = 0; k <= f && places; ++k)
+        places[k] = piece.begin * FIXED_ONE + (int)(((long)k * piece.cells * FIXED_ONE + f / 2) / f);
+    return f;
+}
+
+inline uint key_of(uint before, const Piece piece)
+{
+    return before * 1031 + piece.level * 67 + piece.segments;
+}
+
+// How many points a side has, and a key of its pieces; puts them where there are places.
+__attribute__((always_inline)) inline int side_points(LEAF_ARGUMENTS, __global const int *factors, int leaf, int side, uint *key,
                        __global int *places)
 {
     const Ground ground = {grid, heights, holes, detail_heights};
     const int index = leaves[leaf];
     const Node node = node_at(tree, index);
     const Tile tile = node_tile(grid, node);
-    const int own = factors[leaf * EDGES + side];
+    const int own = own_factor(tree, leaf_of, factors, leaf, node, side);
+    if (own > 0) {
+        const Piece piece = {own, 0, edge_cells(tile, side), node.level};
+        *key = key_of(0, piece);
+        return put_piece(piece, places) + 1;
+    }
     const float room = room_of(allowed[index], shares[leaf], details[index].x);
     Walk walk = walk_along(grid, node, side);
     int segments = 0;
     *key = 0;
     while (walk.left > 0) {
-        Piece piece = {own, 0, edge_cells(tile, side), node.level};
-        if (own > 0)
-            walk.left = 0;
-        else
-            piece = next_piece(ground, tree, details, marks, stamp, leaf_of, factors, tile, side, room,
-                               &walk);
-        const int f = piece.segments;
-        if (places)
-            for (int k = 0; k <= f; ++k)
-                places[segments + k] = piece.begin * FIXED_ONE
-                                     + (int)(((long)k * piece.cells * FIXED_ONE + f / 2) / f);
-        segments += f;
-        *key = *key * 1031 + piece.level * 67 + f;
+        const Piece piece = next_piece(ground, tree, details, marks, stamp, leaf_of, factors, tile, side,
+                                       room, &walk);
+        segments += put_piece(piece, places ? places + segments : 0);
+        *key = key_of(*key, piece);
     }
     return segments + 1;
 }

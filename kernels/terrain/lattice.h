@@ -7,31 +7,66 @@
 //
 // At factors (fu, fv) with edges to match the tessellator cuts a node into a regular grid of cells, whose
 // vertices are bilinear in the lattice and whose triangles are plane.
+//
+// The items of a group look at one node together and all come to the same; on a CPU a group is one item,
+// which takes eight samples of a row at a time.
+//
+// Built with: TILE, FINER, GROUP, what ground.h is built with.
 #ifndef LATTICE_H
 #define LATTICE_H
 
+#include "common/reduce.h"
 #include "terrain/ground.h"
 #include "terrain/node.h"
 
 #define WIDTH ((TILE << FINER) + 1)
+#define PITCH ((WIDTH + 7) / 8 * 8)         // from row to row in memory
 
 typedef struct {
     int cells_across, cells_down, stride;
     int across, down;               // lattice cells; the last may reach beyond the node
-    float heights[WIDTH * WIDTH];
+    __local float *heights;         // WIDTH rows of PITCH
+    __local float *scratch;         // GROUP + 1
 } Lattice;
 
-inline void read_lattice(const Ground ground, const Tile tile, int stride, Lattice *lattice)
+inline Lattice lattice_of(const Tile tile, int stride, __local float *heights, __local float *scratch)
 {
-    lattice->cells_across = tile.cells_across;
-    lattice->cells_down = tile.cells_down;
-    lattice->stride = stride;
-    lattice->across = (tile.cells_across + stride - 1) / stride;
-    lattice->down = (tile.cells_down + stride - 1) / stride;
-    for (int row = 0; row <= lattice->down; ++row)
-        for (int column = 0; column <= lattice->across; ++column)
-            lattice->heights[row * WIDTH + column] =
-                height_beyond(ground, tile.row + row * stride, tile.column + column * stride);
+    const Lattice lattice = {tile.cells_across, tile.cells_down, stride,
+                             (tile.cells_across + stride - 1) / stride,
+                             (tile.cells_down + stride - 1) / stride, heights, scratch};
+    return lattice;
+}
+
+// Every item of the group calls this together.
+inline void read_lattice(const Ground ground, const Tile tile, const Lattice *lattice)
+{
+    const int stride = lattice->stride, columns = lattice->across + 1;
+    const bool inside = tile.row + lattice->down * stride < ground.grid.rows
+                     && tile.column + lattice->across * stride < ground.grid.columns;
+#if GROUP == 1
+    for (int line = 0; line <= lattice->down; ++line) {
+        const int row = tile.row + line * stride;
+        __local float *heights = lattice->heights + line * PITCH;
+        if (inside)
+            for (int k = 0; k < columns; ++k)
+                heights[k] = sample_height(ground, row, tile.column + k * stride);
+        else
+            for (int k = 0; k < columns; ++k)
+                heights[k] = height_beyond(ground, row, tile.column + k * stride);
+        // nobody asks for what is behind, but it is read
+        for (int k = columns; k < PITCH; ++k)
+            heights[k] = 0.0f;
+    }
+#else
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (int i = get_local_id(0); i < columns * (lattice->down + 1); i += GROUP) {
+        const int line = i / columns, k = i % columns;
+        const int row = tile.row + line * stride, column = tile.column + k * stride;
+        lattice->heights[line * PITCH + k] = inside ? sample_height(ground, row, column)
+                                                    : height_beyond(ground, row, column);
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+#endif
 }
 
 // vertex i of f segments along so many cells: a lattice line, and how far on to the next
@@ -49,8 +84,8 @@ inline Place vertex_place(int i, int f, int cells, int stride)
 
 inline float vertex_height(const Lattice *lattice, const Place across, const Place down)
 {
-    const float *z = lattice->heights + down.line * WIDTH + across.line;
-    const int east = across.fraction > 0.0f, south = down.fraction > 0.0f ? WIDTH : 0;
+    __local const float *z = lattice->heights + down.line * PITCH + across.line;
+    const int east = across.fraction > 0.0f, south = down.fraction > 0.0f ? PITCH : 0;
     const float upper = z[0] + (z[east] - z[0]) * across.fraction;
     const float lower = z[south] + (z[south + east] - z[south]) * across.fraction;
     return upper + (lower - upper) * down.fraction;
@@ -78,7 +113,7 @@ inline float on_triangle(float z00, float z10, float z01, float z11, float a, fl
 {
     if (falling)
         return a >= b ? z00 + (z10 - z00) * a + (z11 - z10) * b
-                      : z00 + (z01 - z00) * b + (z11 - z01) * a;
+                      : z00 + (z11 - z01) * a + (z01 - z00) * b;
     return a + b <= 1.0f ? z00 + (z10 - z00) * a + (z01 - z00) * b
                          : z11 + (z01 - z11) * (1.0f - a) + (z10 - z11) * (1.0f - b);
 }
@@ -97,79 +132,89 @@ inline float sample_error(const Lattice *lattice, int fu, int fv, int row, int c
                                 vertex_height(lattice, west, south), vertex_height(lattice, east, south),
                                 across.fraction, down.fraction,
                                 is_falling(across.line, down.line, fu, fv));
-    return absolute(z - lattice->heights[row * WIDTH + column]);
+    return absolute(z - lattice->heights[row * PITCH + column]);
 }
 
 // samples first .. last of a line that a pattern of f segments is asked of: all of the node, or those
 // between its outermost inner lines
-inline int2 asked_samples(int f, int cells, int stride, bool inner)
+typedef struct {
+    int first, last;
+} Asked;
+
+inline Asked asked_samples(int f, int cells, int stride, bool inner)
 {
-    return inner ? (int2)((cells + f * stride - 1) / (f * stride), (cells - (cells + f - 1) / f) / stride)
-                 : (int2)(0, cells / stride);
+    Asked asked = {0, cells / stride};
+    if (inner) {
+        asked.first = (cells + f * stride - 1) / (f * stride);
+        asked.last = (cells - (cells + f - 1) / f) / stride;
+    }
+    return asked;
 }
+
+#if GROUP == 1
+#include "terrain/lattice_rows.h"
+#else
+#include "terrain/lattice_group.h"
+#endif
 
 // The largest error of a pattern of fu x fv segments at the samples of the lattice; beyond `enough` it is
 // not sought further. `worst` is where it was found, and where it is looked at first.
 inline float pattern_error(const Lattice *lattice, int fu, int fv, bool inner, float enough, int2 *worst)
 {
-    const int stride = lattice->stride;
-    const int2 columns = asked_samples(fu, lattice->cells_across, stride, inner);
-    const int2 rows = asked_samples(fv, lattice->cells_down, stride, inner);
-    float error = 0.0f;
-    if (worst->x >= columns.x && worst->x <= columns.y && worst->y >= rows.x && worst->y <= rows.y) {
-        error = sample_error(lattice, fu, fv, worst->y, worst->x);
+    const Asked columns = asked_samples(fu, lattice->cells_across, lattice->stride, inner);
+    const Asked rows = asked_samples(fv, lattice->cells_down, lattice->stride, inner);
+    if (worst->x >= columns.first && worst->x <= columns.last && worst->y >= rows.first
+        && worst->y <= rows.last) {
+        const float error = sample_error(lattice, fu, fv, worst->y, worst->x);
         if (error > enough)
             return error;
     }
-    float upper[TILE + 1], lower[TILE + 1], fraction[WIDTH];
-    int cell[WIDTH];
-    for (int column = columns.x; column <= columns.y; ++column) {
-        const Place place = pattern_place(column, fu, lattice->cells_across, stride);
-        cell[column] = place.line;
-        fraction[column] = place.fraction;
-    }
-    int line = -1;
-    for (int row = rows.x; row <= rows.y && error <= enough; ++row) {
-        const Place place = pattern_place(row, fv, lattice->cells_down, stride);
-        if (place.line != line) {
-            line = place.line;
-            const Place north = vertex_place(line, fv, lattice->cells_down, stride);
-            const Place south = vertex_place(line + 1, fv, lattice->cells_down, stride);
-            for (int i = 0; i <= fu; ++i) {
-                const Place across = vertex_place(i, fu, lattice->cells_across, stride);
-                upper[i] = vertex_height(lattice, across, north);
-                lower[i] = vertex_height(lattice, across, south);
-            }
-        }
-        const float *heights = lattice->heights + row * WIDTH;
-        for (int column = columns.x; column <= columns.y; ++column) {
-            const int i = cell[column];
-            const float z = on_triangle(upper[i], upper[i + 1], lower[i], lower[i + 1], fraction[column],
-                                        place.fraction, is_falling(i, line, fu, fv));
-            const float difference = absolute(z - heights[column]);
-            if (difference > error) {
-                error = difference;
-                *worst = (int2)(column, row);
-            }
-        }
-    }
-    return error;
+    return largest_error(lattice, fu, fv, columns, rows, enough, worst);
 }
 
-// nothing is known but that it is no less than this
-#define UNMEASURED -1e-30f
+// Errors are remembered in 16 bits: 0 where nothing is known, else which 1024th of an octave, from 2^-16 on,
+// an error lies in, and whether it is there or there at least. Where that does not tell, it is measured again.
+#define STEP_BITS 10
+#define FIRST_STEP ((127 - 16) << STEP_BITS)
+#define LAST_STEP 32766
 
-// An error that is remembered: itself where it was measured, or minus the least that it is known to be.
-inline bool is_within(__global float *remembered, float room, const Lattice *lattice, int fu, int fv,
-                      bool inner, int2 *worst)
+inline float step_begin(int step)
 {
-    const float known = *remembered;
-    if (known >= 0.0f)
-        return known <= room;
-    if (-known > room)
-        return false;
+    return step > 0 ? as_float((uint)(FIRST_STEP + step) << (23 - STEP_BITS)) : 0.0f;
+}
+
+inline float step_end(int step)
+{
+    return step < LAST_STEP ? as_float((uint)(FIRST_STEP + step + 1) << (23 - STEP_BITS)) : INFINITY;
+}
+
+inline ushort remembered_error(float error, bool is_all)
+{
+    const int step = clamp((int)(as_uint(error) >> (23 - STEP_BITS)) - FIRST_STEP, 0, LAST_STEP);
+    return 2 * (step + 1) + is_all;
+}
+
+// Is the error of a pattern within `room`? The lattice is read when it is first wanted.
+inline bool is_within(const Ground ground, const Tile tile, const Lattice *lattice, bool *is_read,
+                      __global ushort *remembered, float room, int fu, int fv, bool inner, int2 *worst)
+{
+    const int known = *remembered, step = known / 2 - 1;
+    if (known > 0) {
+        if (step_begin(step) > room)
+            return false;
+        if (known % 2 == 1 && step_end(step) <= room)
+            return true;
+    }
+#if GROUP > 1
+    // all have read what one of them writes now
+    barrier(CLK_GLOBAL_MEM_FENCE);
+#endif
+    if (!*is_read)
+        read_lattice(ground, tile, lattice);
+    *is_read = true;
     const float error = pattern_error(lattice, fu, fv, inner, room, worst);
-    *remembered = error <= room ? error : -error;
+    if (get_local_id(0) == 0)
+        *remembered = remembered_error(error, error <= room);
     return error <= room;
 }
 

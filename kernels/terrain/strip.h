@@ -16,6 +16,11 @@
 
 #define MOST_POINTS 65  // of a row
 
+// where rows of points are kept: an item's own memory, or its group's
+#ifndef STRIP_MEMORY
+#define STRIP_MEMORY
+#endif
+
 // samples seen from an edge: `along` it as the tessellator walks, and `inwards`
 typedef struct {
     int row, column;                // of the corner where the walk begins
@@ -69,21 +74,18 @@ typedef struct {
     float along[MOST_POINTS], height[MOST_POINTS];
 } Points;
 
-// Puts points first .. last of a division into so many segments.
-inline void put_points(const Ground ground, const Frame frame, int segments, int first, int last,
-                       float inwards, Points *points)
+// Puts point i of a division into so many segments.
+inline void put_point(const Ground ground, const Frame frame, int segments, int i, float inwards,
+                      STRIP_MEMORY Points *points, int target)
 {
-    const float length = (float)frame.cells / segments;
-    for (int i = first; i <= last; ++i) {
-        // whole where it is whole
-        const float along = i == segments ? frame.cells : i * length;
-        points->along[i - first] = along;
-        points->height[i - first] = height_at(ground, frame, along, inwards);
-    }
+    // whole where it is whole
+    const float along = i == segments ? frame.cells : i * ((float)frame.cells / segments);
+    points->along[target] = along;
+    points->height[target] = height_at(ground, frame, along, inwards);
 }
 
 // Writes which row takes each step, 1 the inner one; returns how many steps there are.
-inline int step_rows(int outer, int inner, uchar *steps)
+inline int step_rows(int outer, int inner, STRIP_MEMORY uchar *steps)
 {
     const StepRuler outer_ruler = step_ruler(outer / 2), inner_ruler = step_ruler(inner / 2);
     const int count = outer + inner - 2;
@@ -107,46 +109,33 @@ inline int step_rows(int outer, int inner, uchar *steps)
     return count;
 }
 
-// The largest error of a strip's samples between its two rows, `stride` apart; beyond `enough` it is not
-// sought. The outer row's points are given.
-inline float side_strip_error(const Ground ground, const Strip strip, const Points *outer, int stride,
-                              float enough)
+// The largest error of the samples of one row between a strip's two rows of points, `stride` apart.
+inline float strip_row_error(const Ground ground, const Strip strip, STRIP_MEMORY const Points *outer,
+                             STRIP_MEMORY const Points *inner, STRIP_MEMORY const uchar *steps,
+                             int row, int stride)
 {
-    Points inner;
-    uchar steps[2 * MOST_POINTS];
-    put_points(ground, strip.frame, strip.inner, 1, strip.inner - 1, strip.depth, &inner);
-    const int count = step_rows(strip.outer, strip.inner, steps);
+    const float t = row / strip.depth;
+    const int count = strip.outer + strip.inner - 2;
     float error = 0.0f;
-    for (int row = stride; row < strip.depth && error <= enough; row += stride) {
-        const float t = row / strip.depth;
-        // the rung behind, the rung ahead, and the samples between
-        float behind = inner.along[0] * t;
-        float low = outer->height[0] + (inner.height[0] - outer->height[0]) * t;
-        int sample = (int)(behind / stride) * stride;
-        sample += sample < behind ? stride : 0;
-        for (int step = 0, o = 0, i = 0; step < count; ++step) {
-            i += steps[step];
-            o += 1 - steps[step];
-            const float ahead = outer->along[o] + (inner.along[i] - outer->along[o]) * t;
-            const float high = outer->height[o] + (inner.height[i] - outer->height[o]) * t;
-            for (; sample <= ahead; sample += stride) {
-                const float z = low + (high - low) * ((sample - behind) / (ahead - behind));
-                const float difference = z - height_in(ground, strip.frame, sample, row);
-                const float distance = difference < 0.0f ? -difference : difference;
-                error = distance > error ? distance : error;
-            }
-            behind = ahead;
-            low = high;
+    // the rung behind, the rung ahead, and the samples between
+    float behind = inner->along[0] * t;
+    float low = outer->height[0] + (inner->height[0] - outer->height[0]) * t;
+    int sample = (int)(behind / stride) * stride;
+    sample += sample < behind ? stride : 0;
+    for (int step = 0, o = 0, i = 0; step < count; ++step) {
+        i += steps[step];
+        o += 1 - steps[step];
+        const float ahead = outer->along[o] + (inner->along[i] - outer->along[o]) * t;
+        const float high = outer->height[o] + (inner->height[i] - outer->height[o]) * t;
+        for (; sample <= ahead; sample += stride) {
+            const float z = low + (high - low) * ((sample - behind) / (ahead - behind));
+            const float difference = z - height_in(ground, strip.frame, sample, row);
+            error = larger(absolute(difference), error);
         }
+        behind = ahead;
+        low = high;
     }
     return error;
-}
-
-inline float strip_error(const Ground ground, const Strip strip, float enough)
-{
-    Points outer;
-    put_points(ground, strip.frame, strip.outer, 0, strip.outer, 0.0f, &outer);
-    return side_strip_error(ground, strip, &outer, 1, enough);
 }
 
 #endif

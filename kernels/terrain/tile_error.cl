@@ -18,12 +18,6 @@
 #include "terrain/lattice_error.h"
 #include "terrain/tile_samples.h"
 
-// corners in cells from the tile's first sample, x east, y south: whole 1/65536, so that differences
-// are exact; LANES triangles side by side
-typedef struct {
-    Real x[3], y[3], z[3];
-} Triangles;
-
 // the samples that a triangle may hold
 typedef struct {
     int left, right, top, bottom;
@@ -31,8 +25,8 @@ typedef struct {
 
 inline Box box_of(const float4 a, const float4 b, const float4 c)
 {
-    const float left = SMALLER(SMALLER(a.x, b.x), c.x), top = SMALLER(SMALLER(a.y, b.y), c.y);
-    const float right = LARGER(LARGER(a.x, b.x), c.x), bottom = LARGER(LARGER(a.y, b.y), c.y);
+    const float left = smaller(smaller(a.x, b.x), c.x), top = smaller(smaller(a.y, b.y), c.y);
+    const float right = larger(larger(a.x, b.x), c.x), bottom = larger(larger(a.y, b.y), c.y);
     const Box box = {(int)left + (left > (int)left), (int)right,
                      (int)top + (top > (int)top), (int)bottom};
     return box;
@@ -40,73 +34,80 @@ inline Box box_of(const float4 a, const float4 b, const float4 c)
 
 // How far rounding x and y to floats in the world may move heights: vertices off the samples stand up
 // to 2^-23 of their coordinates off their places.
-inline Real rounding_of_places(Real x1, Real y1, Real z1, Real x2, Real y2, Real z2, Real inverse,
-                               float cells)
+inline float rounding_of_places(float x1, float y1, float z1, float x2, float y2, float z2,
+                                float inverse, float cells)
 {
     // sides become small first: their products with heights near the end of float32 would overflow
-    const Real unit = inverse * (1.2e-7f * cells);
+    const float unit = inverse * (1.2e-7f * cells);
     x1 *= unit, y1 *= unit, x2 *= unit, y2 *= unit;
-    const Real moved = ABSOLUTE(z1 * y2 - z2 * y1) + ABSOLUTE(x1 * z2 - x2 * z1);
-    const Real taller = LARGER(ABSOLUTE(z1), ABSOLUTE(z2)), across = ABSOLUTE(z2 - z1);
-    const Real tallest = LARGER(taller, across);
-    return SMALLER(moved, tallest);
+    const float moved = absolute(z1 * y2 - z2 * y1) + absolute(x1 * z2 - x2 * z1);
+    const float tallest = larger(larger(absolute(z1), absolute(z2)), absolute(z2 - z1));
+    return smaller(moved, tallest);
 }
 
-// The largest error of each lane's triangle. Of what rounding leaves undecided the larger is taken:
-// what is stated is a bound.
-inline Real triangle_errors(const TileSamples samples, const Triangles *t, const Box *boxes,
-                            Real off_samples, float cells)
+// LANES samples of a row from a column on; behind `last` it is that one again
+inline Real row_of_samples(const TileSamples samples, int row, int column, int last)
 {
-    const Real x1 = t->x[1] - t->x[0], y1 = t->y[1] - t->y[0], rise1 = t->z[1] - t->z[0];
-    const Real x2 = t->x[2] - t->x[0], y2 = t->y[2] - t->y[0], rise2 = t->z[2] - t->z[0];
-    const Real area = x1 * y2 - x2 * y1;
-    const Real inverse = area == 0.0f ? (Real)0.0f : 1.0f / area;
-    // of products of sides in weights, and of what is added up then
-    const Real wide = LARGER(ABSOLUTE(x1), ABSOLUTE(x2)), high = LARGER(ABSOLUTE(y1), ABSOLUTE(y2));
-    const Real rounding = 1.2e-7f * wide * high * ABSOLUTE(inverse) + 2.4e-7f;
-    int rows = 0, columns = 0;
-    for (int lane = 0; lane < LANES; ++lane) {
-        const int down = boxes[lane].bottom - boxes[lane].top;
-        const int across = boxes[lane].right - boxes[lane].left;
-        rows = LARGER(rows, down + 1);
-        columns = LARGER(columns, across + 1);
-    }
-    Real error = -1.0f;
-    for (int row = 0; row < rows; ++row)
-        for (int column = 0; column < columns; ++column) {
-            Real x, y, height;
-            for (int lane = 0; lane < LANES; ++lane) {
-                // lanes whose box ends before stay on its last sample
-                const int c = SMALLER(boxes[lane].left + column, boxes[lane].right);
-                const int r = SMALLER(boxes[lane].top + row, boxes[lane].bottom);
-                const size_t i = (size_t)r * samples.stride + c;
-                SET_LANE(x, lane, c);
-                SET_LANE(y, lane, r);
-#if MASKED
-                // compares as no error
-                SET_LANE(height, lane, samples.holes[i] ? NAN : samples.heights[i]);
-#else
-                SET_LANE(height, lane, samples.heights[i]);
+    const size_t first = (size_t)row * samples.stride;
+#if LANES == 8 && !MASKED
+    if (column + LANES <= samples.readable)
+        return vload8(0, samples.heights + first + column);
 #endif
-            }
-            x -= t->x[0];
-            y -= t->y[0];
+    Real heights;
+    for (int lane = 0; lane < LANES; ++lane) {
+        const size_t i = first + min(column + lane, last);
+#if MASKED
+        // compares as no error
+        SET_LANE(heights, lane, samples.holes[i] ? NAN : samples.heights[i]);
+#else
+        SET_LANE(heights, lane, samples.heights[i]);
+#endif
+    }
+    return heights;
+}
+
+// The largest error of a triangle at the samples that each lane has of it. Of what rounding leaves
+// undecided the larger is taken: what is stated is a bound. Corners are in cells from the tile's first
+// sample, x east, y south: whole 1/65536, so that differences are exact.
+inline Real triangle_errors(const TileSamples samples, const float4 a, const float4 b, const float4 c,
+                            float cells)
+{
+    const float x1 = b.x - a.x, y1 = b.y - a.y, rise1 = b.z - a.z;
+    const float x2 = c.x - a.x, y2 = c.y - a.y, rise2 = c.z - a.z;
+    const float area = x1 * y2 - x2 * y1;
+    // a triangle without an area is in others
+    if (area == 0.0f)
+        return (Real)0.0f;
+    const float inverse = 1.0f / area;
+    // of products of sides in weights, and of what is added up then
+    const float wide = larger(absolute(x1), absolute(x2)), high = larger(absolute(y1), absolute(y2));
+    const float rounding = 1.2e-7f * wide * high * absolute(inverse) + 2.4e-7f;
+    const Box box = box_of(a, b, c);
+    Real lanes;
+    for (int lane = 0; lane < LANES; ++lane)
+        SET_LANE(lanes, lane, lane);
+    Real error = -1.0f;
+    for (int row = box.top; row <= box.bottom; ++row)
+        for (int column = box.left; column <= box.right; column += LANES) {
+            const Real height = row_of_samples(samples, row, column, box.right);
+            // lanes behind the box stay on its last sample, or weigh nothing
+            const Real x = column + lanes - a.x;
+            const float y = row - a.y;
             const Real share1 = x * y2 - x2 * y, share2 = x1 * y - x * y1;
             const Real weight1 = share1 * inverse, weight2 = share2 * inverse;
             // a corner has its own height, to the bit: full resolution has no error at all; else
             // differences come first, so that heights far from zero cost no digits
-            const Real between = (t->z[0] - height) + weight1 * rise1 + weight2 * rise2;
-            const Real difference = share1 == area ? t->z[1] - height
-                                  : share2 == area ? t->z[2] - height : between;
+            const Real between = (a.z - height) + weight1 * rise1 + weight2 * rise2;
+            const Real difference = share1 == area ? b.z - height
+                                  : share2 == area ? c.z - height : between;
             const Real lower = SMALLER(weight1, weight2);
             const Real least = SMALLER(lower, 1.0f - weight1 - weight2);
             const Real distance = least >= -rounding ? ABSOLUTE(difference) : (Real)-1.0f;
             error = LARGER(distance, error);
         }
-    // a triangle without an area is in others
-    error = area == 0.0f ? (Real)0.0f : error;
-    const Real slack = rounding * error + rounding * ABSOLUTE(rise1) + rounding * ABSOLUTE(rise2);
-    const Real moved = off_samples * rounding_of_places(x1, y1, rise1, x2, y2, rise2, inverse, cells);
+    const Real slack = rounding * error + rounding * absolute(rise1) + rounding * absolute(rise2);
+    const float moved = a.w + b.w + c.w > 0.0f
+        ? rounding_of_places(x1, y1, rise1, x2, y2, rise2, inverse, cells) : 0.0f;
     // a few roundings more: what is stated bounds what others measure; no error is no error
     const Real bound = (error + slack) * (1.0f + 1e-6f) + moved;
     return error > 0.0f ? bound : (Real)0.0f;
@@ -133,22 +134,10 @@ inline float patch_error(const TileSamples samples, __global const int *triangle
                          uint end, __global const float4 *corners, float cells)
 {
     Real errors = 0.0f;
-    for (uint i = first + get_local_id(0) * LANES; i < end; i += GROUP * LANES) {
-        Triangles t;
-        Box boxes[LANES];
-        Real off_samples;
-        for (int lane = 0; lane < LANES; ++lane) {
-            // the last ones again where there are no more
-            __global const int *triangle = triangles + 3 * (size_t)min(i + lane, end - 1);
-            const float4 a = corners[triangle[0]], b = corners[triangle[1]];
-            const float4 c = corners[triangle[2]];
-            boxes[lane] = box_of(a, b, c);
-            SET_LANE(t.x[0], lane, a.x); SET_LANE(t.y[0], lane, a.y); SET_LANE(t.z[0], lane, a.z);
-            SET_LANE(t.x[1], lane, b.x); SET_LANE(t.y[1], lane, b.y); SET_LANE(t.z[1], lane, b.z);
-            SET_LANE(t.x[2], lane, c.x); SET_LANE(t.y[2], lane, c.y); SET_LANE(t.z[2], lane, c.z);
-            SET_LANE(off_samples, lane, a.w + b.w + c.w > 0.0f);
-        }
-        const Real found = triangle_errors(samples, &t, boxes, off_samples, cells);
+    for (uint i = first + get_local_id(0); i < end; i += GROUP) {
+        __global const int *triangle = triangles + 3 * (size_t)i;
+        const Real found = triangle_errors(samples, corners[triangle[0]], corners[triangle[1]],
+                                           corners[triangle[2]], cells);
         errors = LARGER(found, errors);
     }
     float error = 0.0f;

@@ -33,6 +33,7 @@ typedef struct {
     TILE_MEMORY const float *heights;   // of the tile's first sample
     TILE_MEMORY const uchar *holes;     // where MASKED
     int stride;                         // from row to row
+    int readable;                       // columns of every row
 } TileSamples;
 
 // a group of one has nobody to wait for
@@ -55,11 +56,11 @@ inline TileSamples tile_samples(const Ground ground, const Tile tile, __local Ti
             store->holes[i] = !sample_has_data(ground, tile.row + row, tile.column + column);
         }
     WAIT_FOR_GROUP();
-    const TileSamples samples = {store->heights, store->holes, STORE_WIDTH};
+    const TileSamples samples = {store->heights, store->holes, STORE_WIDTH, STORE_WIDTH};
 #else
     const size_t first = sample_index(ground.grid, tile.row, tile.column);
     const TileSamples samples = {ground.heights + first, ground.holes + first,
-                                 ground.grid.columns};
+                                 ground.grid.columns, ground.grid.columns - tile.column};
 #endif
     return samples;
 }

@@ -17,6 +17,16 @@ inline int origin_of(int k, int level, bool turned)
     return k % 2 == 0 ? k : onwards ? k + 1 : k - 1;
 }
 
+// To the nearest point of the lower level, in one step: equation 1 of the paper. Of two as near, to
+// the one nearer to an end. The middle is as near to both where there are no others: there sigma(t)
+// and sigma(1 - t) are both 1, and the equation does not say which end; turned does.
+inline int snap_to_nearest(int k, int level, int edge_level, bool turned)
+{
+    const int shift = level - edge_level, half_step = (1 << shift) / 2, middle = 1 << level;
+    const bool back = 2 * k < middle || (2 * k == middle && edge_level == 0 && turned);
+    return (k + half_step - (back && shift > 0)) >> shift << shift;
+}
+
 // where point k of a level is when the edge has a lower one, counted in steps of its own level
 inline int snap(int k, int level, int edge_level, bool turned)
 {

@@ -1,4 +1,4 @@
-// Semi-uniform adaptive tessellation of triangles: a dyadic lattice whose boundary is moved onto the
+// Semi-uniform adaptive tessellation of triangles and quads: a dyadic lattice whose boundary is moved onto the
 // points that both patches at an edge have.
 //
 //   count    the level of each patch, and how many points and triangles it makes, in closed form
@@ -17,10 +17,11 @@
 //                     .a---.---b.
 //
 // After Dyken, Reimers, Seland, "Semi-uniform adaptive patch tessellation", Computer Graphics Forum
-// 28(8), 2009, section 3. Their snap function goes to the nearest point (equation 1); here points go
-// down level by level, see dyadic_edge.h, so that an edge can come and go between two levels.
+// 28(8), 2009, section 3. Their snap function goes to the nearest point (equation 1): SNAP is
+// snap_to_nearest. With SNAP snap points go down level by level, see dyadic_edge.h, so that an edge
+// can come and go between two levels. Quads are cut into lattices of squares, and these in two.
 //
-// Built with: GROUP work-items a patch.
+// Built with: GROUP work-items a patch, SIDES (3 or 4) of it, SNAP.
 #include "tessellation/dyadic_edge.h"
 #include "common/group_scan.h"
 #include "layout.h"
@@ -29,10 +30,8 @@
 #error "semi_uniform.cl: define GROUP, the work-items that share a patch"
 #endif
 
-#define SIDES 3
-
 typedef struct {
-    int edges[SIDES];       // u = 0, v = 0, w = 0
+    int edges[SIDES];       // u = 0, v = 0, w = 0; or u = 0, v = 0, u = 1, v = 1
     int patch;              // the largest of them, below 0 where the patch is culled
     int turns;              // a bit an edge: where the middle of level 1 goes
 } Levels;
@@ -62,7 +61,7 @@ inline int snap_point(int point, const Levels levels)
     const int steps = 1 << levels.patch, edge = point >> levels.patch;
     if (edge >= SIDES)
         return point;
-    const int moved = edge * steps + snap(point & (steps - 1), levels.patch, levels.edges[edge],
+    const int moved = edge * steps + SNAP(point & (steps - 1), levels.patch, levels.edges[edge],
                                           levels.turns >> edge & 1);
     return moved == SIDES * steps ? 0 : moved;
 }
@@ -72,7 +71,12 @@ inline uint2 boundary_point(int step, int level)
     const uint steps = 1u << level, edge = step >> level, k = step & (steps - 1);
     const uint2 place = edge == 0 ? (uint2)(0, steps - k)
                       : edge == 1 ? (uint2)(k, 0)
+#if SIDES == 3
                                   : (uint2)(steps - k, k);
+#else
+                      : edge == 2 ? (uint2)(steps, k)
+                                  : (uint2)(steps - k, steps);
+#endif
     return place << (uint)(FIXED_BITS - level);
 }
 
@@ -107,8 +111,13 @@ inline void fill_rim(__global int *target, __global const int *triangles, int fi
         }
 }
 
+inline uint points_of(uint steps)
+{
+    return SIDES == 3 ? (steps + 1) * (steps + 2) / 2 : (steps + 1) * (steps + 1);
+}
+
 __kernel void semi_uniform_count(int patches, int maximum, int keep_degenerate,
-                                 __global const float *levels,          // (P, 3)
+                                 __global const float *levels,          // (P, SIDES)
                                  __global int *patch_levels,            // (P,)
                                  __global uint *point_counts,           // (P,)
                                  __global uint *triangle_counts)        // (P,)
@@ -123,25 +132,25 @@ __kernel void semi_uniform_count(int patches, int maximum, int keep_degenerate,
     for (int edge = 0; edge < SIDES; ++edge)
         collapsed += steps - (1u << own.edges[edge]);
     patch_levels[patch] = own.patch;
-    point_counts[patch] = own.patch < 0 ? 0 : (steps + 1) * (steps + 2) / 2;
-    triangle_counts[patch] = own.patch < 0 ? 0 : steps * steps - (keep_degenerate ? 0 : collapsed);
+    point_counts[patch] = own.patch < 0 ? 0 : points_of(steps);
+    triangle_counts[patch] = own.patch < 0 ? 0 : (SIDES - 2) * steps * steps - (keep_degenerate ? 0 : collapsed);
 }
 
 __kernel void semi_uniform_fill(int level, int maximum, int keep_degenerate, int clockwise,
                                 int queue_begin, int queue_end,
                                 int inner_points, int inner_triangles,
                                 __global const uint *queue,             // (P,) patches by level
-                                __global const float *levels,           // (P, 3)
+                                __global const float *levels,           // (P, SIDES)
                                 __global const int *turns,              // (P,)
                                 __global const uint2 *lattice,          // points inside
-                                __global const int *triangles,          // (4^level, 3)
+                                __global const int *triangles,          // (4^level or twice, 3)
                                 __global const uint *point_offsets,     // (P + 1,)
                                 __global const uint *triangle_offsets,  // (P + 1,)
                                 __global uint2 *points,                 // (N,)
                                 __global int *filled)                   // (M, 3)
 {
     __local ulong sums[GROUP];
-    const int boundary = SIDES << level, all = 1 << 2 * level;
+    const int boundary = SIDES << level, all = (SIDES - 2) << 2 * level;
     const int copied = keep_degenerate ? all : inner_triangles;
     for (int place = queue_begin + get_group_id(0); place < queue_end; place += get_num_groups(0)) {
         const uint patch = queue[place];

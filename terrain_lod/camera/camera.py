@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from ..arguments import finite, positive, whole
+from ..arguments import array, finite, numbers, parts, positive, whole
 from ..device import layout
 from ..errors import InputError
 
@@ -67,8 +67,12 @@ class Camera:
                 object.__setattr__(self, name, check(name, getattr(self, name)))
         if not 0 < self.fov < 180:
             raise InputError(f"expected fov between 0 and 180 degrees, got {self.fov:g}")
-        if self.far != math.inf:
+        # an array may be infinite here and there
+        if not (isinstance(self.far, float | np.floating) and self.far == math.inf):
             object.__setattr__(self, "far", finite("far", self.far))
+        for name in ("near", "far", "height"):
+            if _FARTHEST < (length := getattr(self, name) or 0.0) < math.inf:
+                raise InputError(f"expected {name} up to {_FARTHEST:g}, got {length:g}")
         if self.far <= self.near:
             raise InputError(f"expected far > near, got far {self.far:g} and near {self.near:g}")
         if self.eye == self.target:
@@ -112,7 +116,7 @@ class Camera:
         """
         right, upward, forward = self.axes
         width, height = self.half_extents
-        eye = np.subtract(self.eye, origin)
+        eye = np.subtract(self.eye, point("origin", origin))
         planes = []
         for across, half in ((right, width), (-right, width), (upward, height), (-upward, height)):
             # through the eye and along the side of the picture; where parallel, along the view
@@ -132,7 +136,7 @@ class Camera:
         Points behind the eye have a depth <= 0 and pixel coordinates that mean nothing.
         """
         right, upward, forward = self.axes
-        relative = np.asarray(points, np.float64) - self.eye
+        relative = array("points", points, ("N", 3)) - self.eye
         depth = relative @ forward
         width, height = self.half_extents
         scale = np.ones_like(depth) if self.height else depth
@@ -145,7 +149,7 @@ class Camera:
     def view(self, origin: npt.ArrayLike) -> npt.NDArray[np.void]:
         """Return the ``layout.VIEW`` record that kernels take, relative to `origin`."""
         record = np.zeros((), layout.VIEW)
-        record["eye"] = np.subtract(self.eye, origin)
+        record["eye"] = np.subtract(self.eye, point("origin", origin))
         record["planes"] = self.planes(origin)
         record["axes"] = self.axes
         record["focal"] = self.focal
@@ -157,22 +161,15 @@ class Camera:
 
 def point(name: str, value: object) -> Point:
     """Return `value` as finite x, y, z."""
-    try:
-        x, y, z = value  # type: ignore[misc]
-    except (TypeError, ValueError):
-        raise InputError(f"expected x, y, z for {name}, got {value!r}") from None
-    made = finite(name, x), finite(name, y), finite(name, z)  # type: ignore[has-type]
-    if max(map(abs, made)) > _FARTHEST:
-        raise InputError(f"expected {name} within {_FARTHEST:g} of the origin, got {made}")
-    return made
+    x, y, z = numbers(name, value, "x", "y", "z")
+    if max(abs(x), abs(y), abs(z)) > _FARTHEST:
+        raise InputError(f"expected {name} within {_FARTHEST:g} of the origin, got {(x, y, z)}")
+    return x, y, z
 
 
 def _size(value: object) -> tuple[int, int]:
-    try:
-        width, height = value  # type: ignore[misc]
-    except (TypeError, ValueError):
-        raise InputError(f"expected a size of width and height, got {value!r}") from None
-    return whole("size", width, 1, 2**20), whole("size", height, 1, 2**20)  # type: ignore[has-type]
+    width, height = parts("size", value, "width", "height")
+    return whole("size", width, 1, 2**20), whole("size", height, 1, 2**20)
 
 
 def _unit(vector: Vectors) -> Vectors:

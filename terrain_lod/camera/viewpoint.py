@@ -7,6 +7,7 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
+from ..arguments import instance
 from ..ground.heightmap import Heightmap
 from .camera import FOV, SIZE, Camera
 
@@ -20,7 +21,7 @@ def default_camera(ground: Heightmap, *, fov: float = FOV, size: tuple[int, int]
     The eye stands above the highest ground near it, so that the picture runs from the tiles at its
     feet to the horizon.
     """
-    x, y, _ = ground.centre
+    x, y, _ = instance("a Heightmap for ground", ground, Heightmap).centre
     width, depth = ground.extent
     low, high = ground.height_range
     diagonal = float(np.hypot(width, depth))

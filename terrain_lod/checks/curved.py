@@ -8,7 +8,10 @@ from typing import Any, Final
 
 import numpy as np
 
-from ..curved.bezier import bezier
+from ..curved.bezier import bezier, bezier_mesh
+from ..curved.bezier_curves import bezier_curve
+from ..curved.catmull_clark import catmull_clark_patches
+from ..curved.control_mesh import ControlMesh
 from ..curved.curves import CURVES, curve
 from ..curved.surfaces import SURFACES, ParametricSurface, surface
 from ..device.device import Device
@@ -46,6 +49,59 @@ def _bezier(nets: Array, device: Device) -> Iterator[Difference]:
     positions, normals = bezier_reference.bezier(nets[patch].astype(np.float64), u, v)
     yield _PLACES.met_by(found.vertices, positions, 2e-6 * highest_of(positions))
     yield _NORMALS.met_by(found.normals, normals, 1e-4)
+
+
+def _bezier_curve(degree: int, device: Device) -> Iterator[Difference]:
+    points = np.random.default_rng(degree).normal(size=(5, degree + 1, 3)).astype(np.float32)
+    found = bezier_curve(points, factor=8, partitioning="integer", device=device)
+    pieces, t = np.repeat(np.arange(5), 9), np.tile(np.arange(9) / 8, 5)
+    at, along = bezier_reference.curve_of_any_degree(points[pieces].astype(np.float64), t)
+    yield _PLACES.met_by(found.points, at, 4e-6 * highest_of(at))
+    yield _NORMALS.met_by(found.tangents, along, 1e-4)
+
+
+BEZIER_CURVE: Final = Check(
+    _bezier_curve,
+    lambda: {"degree 3": 3},
+    lambda: {f"degree {degree}": degree for degree in (1, 2, 7, 32)},
+)
+
+
+def _with_tangents(mesh: ControlMesh, device: Device) -> Iterator[Difference]:
+    """Compare patches whose normals come from fields of tangents."""
+    patches = catmull_clark_patches(mesh)
+    nets, *fields = (
+        each.astype(np.float32) for each in (patches.nets, patches.along_u, patches.along_v)
+    )
+    edges, insides = (np.full((len(nets), width), 6.3, np.float32) for width in (4, 2))
+    found = bezier_mesh(nets, (edges, insides), "fractional_odd", device, fields)
+    pattern = tessellate("quad", edges, insides, device=device)
+    patch = np.repeat(np.arange(len(nets)), np.diff(pattern.point_offsets))
+    u, v = pattern.points.T / FIXED_ONE
+    positions = bezier_reference.field(nets[patch].astype(np.float64), u, v)
+    along_u, along_v = (
+        bezier_reference.field(each[patch].astype(np.float64), u, v) for each in fields
+    )
+    normals = np.cross(along_u, along_v)
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    known = lengths[:, 0] > 1e-3 * lengths.max()
+    yield _PLACES.met_by(found.vertices, positions, 2e-6 * highest_of(positions))
+    yield _NORMALS.met_by(found.normals[known], (normals / lengths)[known], 1e-4)
+
+
+def _prism(sides: int) -> ControlMesh:
+    angles = 2 * np.pi * np.arange(sides) / sides
+    ring = np.stack([np.cos(angles), np.sin(angles), np.ones(sides)], axis=1)
+    walls = [(i, i + sides, (i + 1) % sides + sides, (i + 1) % sides) for i in range(sides)]
+    lids = [tuple(range(sides)), tuple(range(2 * sides - 1, sides - 1, -1))]
+    return ControlMesh(np.concatenate([ring, ring * (1, 1, -1)]), [*lids, *walls])
+
+
+TANGENTS: Final = Check(
+    _with_tangents,
+    lambda: {"prism of 5 sides": _prism(5)},
+    lambda: {f"prism of {sides} sides": _prism(sides) for sides in (3, 8, 30)},
+)
 
 
 def _nets() -> Array:
@@ -141,7 +197,7 @@ def check_shape(
     def compare(case: ParametricSurface, device: Device) -> Iterator[Difference]:
         return _on_surface(case, formula, {}, smooth, device)
 
-    return Check(compare, lambda: {"the shape": shape}).worst(device or Device.open())
+    return Check(compare, lambda: {"the shape": shape}).worst(Device.of(device))
 
 
 def _curve(case: Shape, device: Device) -> Iterator[Difference]:

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..curved.adjacency import Adjacency
-from ..curved.decals import dent_on_device, reach_on_device
+from ..curved.decals import dent_on_device, reach_on_device, views_on_device
 from ..curved.displaced import displace_on_device, dominant_edges, shared_normals
 from ..curved.displaced_normals import corner_kinds, renew_normals_on_device
 from ..curved.patched_mesh import PatchedMesh
@@ -18,6 +18,7 @@ from ..curved.pn import DevicePatchMesh
 from ..device.device import Device
 from ..device.layout import DECAL, FIXED_ONE, NET_VECTORS, PARTITIONINGS
 from ..mesh.mesh import Mesh
+from ..mesh.vertices import DeviceVertices
 from ..reference.curved import displaced
 from ..tessellation.factors import DeviceFactors
 from ..tessellation.pattern import DevicePattern
@@ -69,6 +70,14 @@ _DENTED: Final = Bound(
     "as of displacement, for each of five decals in turn",
 )
 
+_TURNED: Final = Bound(
+    "normal under decals",
+    "of length 1",
+    "2e-4",
+    "slopes of up to 1.3 are differences of depths, a seventh of them apart, whose places are "
+    "rounded; where the surface all but folds, a hundredth is left to divide by",
+)
+
 
 def _decals(size: float, device: Device) -> Iterator[Difference]:
     random = np.random.default_rng(10)
@@ -82,12 +91,17 @@ def _decals(size: float, device: Device) -> Iterator[Difference]:
         record["normal"] = normal / np.linalg.norm(normal)
         record["tangent"] = tangent / np.linalg.norm(tangent)
         record["radius"], record["scale"], record["bias"] = 0.9 * size, 0.3 * size, 0.1 * size
-    moved = device.array(positions)
-    dent_on_device(moved, records, depths)
+    normals = random.normal(size=(500, 3))
+    normals = (normals / np.linalg.norm(normals, axis=1, keepdims=True)).astype(np.float32)
+    found = DeviceVertices(device.array(positions), device.array(normals))
+    dent_on_device(found, records, depths)
     expected = [
-        displaced.dented(position, records, depths) for position in positions.astype(np.float64)
+        displaced.dented(position, normal, records, depths)
+        for position, normal in zip(positions.astype(float), normals.astype(float), strict=True)
     ]
-    yield _DENTED.met_by(moved.host(), expected, 2e-6 * size)
+    moved, turned = (np.array(each) for each in zip(*expected, strict=True))
+    yield _DENTED.met_by(found.positions.host(), moved, 2e-6 * size)
+    yield _TURNED.met_by(found.normals.host(), turned, 2e-4)
 
 
 DECALS: Final = Check(
@@ -177,8 +191,16 @@ def _reach(together: int, device: Device) -> Iterator[Difference]:
         decals = np.zeros(together, DECAL)
         decals["point"] = random.uniform(-0.7, 0.7, (together, 3))
         decals["radius"] = random.uniform(0.02, 0.3, together)
-        found = reach_on_device(patches, device.array(nets), decals, 9.0, 2.0)
-        edges, above = displaced.reached(corners, adjacency.edges, bulges, decals)
+        in_view = random.uniform(size=count) < 0.7
+        found = reach_on_device(
+            patches,
+            device.array(nets),
+            decals,
+            device.array(np.full(len(adjacency.sides), 9.0, np.float32)),
+            2.0,
+            device.array(in_view.astype(np.int32)),
+        )
+        edges, above = displaced.reached(corners, adjacency.edges, bulges, decals, in_view)
         insides = np.maximum(edges[adjacency.edges].max(axis=1), above)
         wrong += _unlike(found.edge.host(), edges[adjacency.edges])
         wrong += _unlike(found.inside.host()[:, 0], insides)
@@ -190,4 +212,30 @@ def _unlike(factors: npt.NDArray[np.float32], reach: npt.NDArray[Any]) -> int:
     return int(np.count_nonzero(differ & (np.abs(reach) > 1e-5)))
 
 
+_SEEN: Final = Bound(
+    "patches in view and decals seen",
+    "of them",
+    "exact, but for those within 1e-4 of being the other",
+    "as patches are culled, and reached",
+)
+
+
+def _views(case: Sheet, device: Device) -> Iterator[Difference]:
+    random, nets, depths = np.random.default_rng(13), case.nets, np.array([[0, 1]], np.float32)
+    decals = np.zeros(6, DECAL)
+    chosen = random.integers(len(case.mesh.vertices), size=6)
+    decals["point"], decals["radius"] = case.mesh.vertices[chosen], 0.1 * case.scale
+    decals["normal"], decals["tangent"], decals["scale"] = (0, 0, 1), (1, 0, 0), 0.05 * case.scale
+    lengths = np.linalg.norm(nets.astype(np.float64), axis=-1)
+    bulges = lengths[:, 3:9].max(axis=1) / 3 + lengths[:, 9] / 27
+    moves = decals["scale"].astype(np.float64)
+    for view in (case.view, case.view_below):
+        found = views_on_device(device.array(nets), decals, depths, view, 0.0)
+        expected = displaced.seen(case.controls, bulges, decals, moves, view, 0.0)
+        for one, sure in zip((found[0].host(), found[1]), expected, strict=True):
+            unlike = (one > 0) != (sure > 0)
+            yield _SEEN.met_by(np.count_nonzero(unlike & (np.abs(sure) > 1e-4 * case.scale)), 0)
+
+
+VIEWS: Final = Check(_views, sheets, dict)
 REACH: Final = Check(_reach, lambda: {"2 decals": 2}, lambda: {"1 decal": 1, "33 decals": 33})

@@ -233,7 +233,7 @@ def check_factor(
     def compare(case: Sheet, device: Device) -> Iterator[Difference]:
         yield _factors(case, device, formula, expected)
 
-    return Check(compare, sheets).worst(device or Device.open())
+    return Check(compare, sheets).worst(Device.of(device))
 
 
 _CULLED: Final = Bound(

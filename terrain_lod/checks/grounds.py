@@ -174,6 +174,18 @@ def hard_grounds() -> dict[str, Ground]:
 
 
 @cache
+def steep_grounds() -> dict[str, Ground]:
+    """Return the hard grounds, and some whose slopes pass float32's range."""
+    noise = np.random.default_rng(7).normal(size=(_SIZE, _SIZE))
+    tilted = np.arange(_SIZE) + 0.1 * noise
+    made = {
+        "slopes beyond float32": Heightmap(1e37 * noise, spacing=(1e-12, 3e-12)),
+        "tilted beyond float32": Heightmap(1e25 * tilted, spacing=(1e-18, 1e-17)),
+    }
+    return hard_grounds() | {name: Ground(each) for name, each in made.items()}
+
+
+@cache
 def wide_tiles() -> dict[str, Ground]:
     """Return more sizes of tiles, whose ladders would take their reference too long."""
     return {f"tiles of {tile} cells": _tiled(tile) for tile in (2, 10, 16, 31, 63)}

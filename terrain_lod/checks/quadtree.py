@@ -30,6 +30,7 @@ _DRIFT: Final = Bound(
 )
 _RANGES: Final = Bound("ranges and holes", "m", "exact", "they are samples, and counts of them")
 _LEAVES: Final = Bound("leaves", "nodes", "exact", "a choice by measured errors")
+_AREAS: Final = Bound("areas of leaves", "cells", "exact", "they are whole numbers")
 _PLACES: Final = Bound("places", "1/65536 of a cell", "exact", "whole numbers, by one division")
 _INSIDES: Final = Bound("insides", "segments", "exact", "a choice by measured errors")
 
@@ -91,9 +92,29 @@ def _nodes(case: Ground, device: Device) -> Iterator[Difference]:
     yield _DRIFT.met_by(found[whole, 0], drifts[whole], allowed)
     yield _RANGES.met_by(found[:, 1], low)
     yield _RANGES.met_by(found[:, 2], high)
+
+
+def _chosen(case: Ground, device: Device) -> Iterator[Difference]:
+    for levels in (None, 1, 5):
+        tree = _tree(case, device, levels)
+        with _leaves(tree) as leaves:
+            chosen = np.sort(leaves.nodes)
+        yield _LEAVES.met_by(chosen, np.sort(_numbers(tree, _expected(case, tree).nodes)))
+
+
+def _described(case: Ground, device: Device) -> Iterator[Difference]:
+    tree = _tree(case, device)
+    twin = _twin(case, tree)
+    expected = _expected(case, tree).nodes
     with _leaves(tree) as leaves:
-        chosen = np.sort(leaves.nodes)
-    yield _LEAVES.met_by(chosen, np.sort(_numbers(tree, _expected(case, tree).nodes)))
+        order = np.argsort(leaves.nodes, kind="stable")
+        drawn = leaves.drawn()
+    by_number = sorted(zip(_numbers(tree, expected), expected, strict=True))
+    areas = [
+        (top, left, down, across)
+        for top, left, down, across in (twin.area(leaf) for _, leaf in by_number)
+    ]
+    yield _AREAS.met_by(drawn.areas[order], np.array(areas).reshape(-1, 4))
 
 
 def _joints(case: Ground, device: Device) -> Iterator[Difference]:
@@ -173,5 +194,7 @@ def _rough(rows: int, columns: int, *, holed: bool = False) -> Heightmap:
 
 
 TREE: Final = Check(_nodes, _plain, _hard)
+CHOICE: Final = Check(_chosen, _plain, _hard)
+LEAVES: Final = Check(_described, _plain, _hard)
 JOINTS: Final = Check(_joints, _plain, _hard)
 LEAF_FIT: Final = Check(_insides, _plain, _hard)

@@ -20,7 +20,13 @@ from ..terrain.domain import displace_on_device
 from ..terrain.holes import without_holes_on_device
 from ..terrain.hull import EDGE_RULES, hull_on_device
 from ..terrain.lod import Lod
-from ..terrain.lod_formulas import CoplanarityLod, DistanceLod, ScreenAreaLod, UniformLod
+from ..terrain.lod_formulas import (
+    BookCoplanarityLod,
+    CoplanarityLod,
+    DistanceLod,
+    ScreenAreaLod,
+    UniformLod,
+)
 from ..terrain.lod_promises import MaxErrorLod
 from ..terrain.queries import heights_on_device, rays_on_device
 from ..terrain.terrain import Terrain
@@ -34,6 +40,7 @@ from .grounds import (
     plain_grounds,
     plain_views,
     planes_and_details,
+    steep_grounds,
     wide_tiles,
 )
 from .tessellation import points_alone
@@ -43,7 +50,9 @@ _LODS: Final[tuple[Lod, ...]] = (
     DistanceLod(falloff=2.5),
     DistanceLod(near=100, far=3000, maximum=63),
     CoplanarityLod(),
-    CoplanarityLod(full_deviation=30.0, flat_weight=0.0, minimum=2.0),
+    CoplanarityLod(pixels=100.0, minimum=2.0, maximum=40.0),
+    BookCoplanarityLod(),
+    BookCoplanarityLod(full_deviation=30.0, flat_weight=0.0, minimum=2.0),
     ScreenAreaLod(),
     ScreenAreaLod(pixels=25.0, minimum=1.5, maximum=40.0),
 )
@@ -84,7 +93,7 @@ def _analysis(case: Ground, device: Device) -> Iterator[Difference]:
 
 
 def _grounds_and_wide_tiles() -> dict[str, Ground]:
-    return hard_grounds() | wide_tiles()
+    return steep_grounds() | wide_tiles()
 
 
 ANALYSIS: Final = Check(_analysis, plain_grounds, _grounds_and_wide_tiles)
@@ -170,7 +179,7 @@ def check_lod(
     def compare(case: View, device: Device) -> Iterator[Difference]:
         return _factors(case, device, lod, reference)
 
-    return Check(compare, plain_views).worst(device or Device.open())
+    return Check(compare, plain_views).worst(Device.of(device))
 
 
 _POSITION: Final = Bound(
@@ -222,7 +231,7 @@ def _shift(case: Ground, device: Device) -> Difference:
     return _SHIFT.met_by(same.count(False), 0)
 
 
-DOMAIN: Final = Check(_domain, plain_grounds, hard_grounds)
+DOMAIN: Final = Check(_domain, plain_grounds, steep_grounds)
 
 _KEPT: Final = Bound(
     "triangles beside holes", "triangles", "exact", "places are whole numbers of 2^-16 cells"

@@ -16,7 +16,7 @@ from ..reference.tessellation import tessellator as reference
 from ..tessellation.factors import DOMAINS
 from ..tessellation.pattern import DevicePattern
 from ..tessellation.queues import queues_of
-from ..tessellation.semi_uniform import semi_uniform
+from ..tessellation.semi_uniform import SNAPS, semi_uniform
 from ..tessellation.tessellator import tessellate
 from .check import Array, Bound, Check, Difference
 
@@ -105,6 +105,19 @@ _TRIANGLES: Final = Bound(
 )
 
 
+def _snapped_quads(levels: list[tuple[int, int, int, int]], device: Device) -> Iterator[Difference]:
+    for snap in SNAPS:
+        pattern = semi_uniform(levels, maximum=int(np.max(levels)), snap=snap, device=device)
+        offsets = pattern.triangle_offsets
+        triangles = pattern.points[pattern.triangles].astype(np.int64)
+        for patch, own in enumerate(levels):
+            expected = semi_uniform_reference.snapped_quad(own, snap=snap)
+            yield _TRIANGLES.met_by_rows(
+                _in_order(triangles[offsets[patch] : offsets[patch + 1]]),
+                _in_order([[[int(x * FIXED_ONE) for x in at] for at in t] for t in expected]),
+            )
+
+
 def _semi_uniform(levels: list[tuple[int, int, int]], device: Device) -> Iterator[Difference]:
     for keep in (True, False):
         pattern = semi_uniform(
@@ -136,4 +149,10 @@ SEMI_UNIFORM: Final = Check(
         "all levels up to 3": list(product(range(4), repeat=3)),
         "fine levels": [(5, 0, 3), (4, 5, 1), (2, 2, 5), (6, 1, 0)],
     },
+)
+
+SEMI_UNIFORM_QUADS: Final = Check(
+    _snapped_quads,
+    lambda: {"a few levels": [(3, 1, 0, 2), (2, 2, 2, 2), (0, 0, 0, 0), (0, 4, 3, 1)]},
+    lambda: {"all levels up to 2": list(product(range(3), repeat=4)), "fine": [(5, 0, 3, 1)]},
 )

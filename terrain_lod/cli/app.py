@@ -1,4 +1,4 @@
-"""The command line: demo, render, mesh, report, view, smooth, pattern, samples, doctor.
+"""The command line: demo, render, mesh, report, view, build, info, tiles, serve, smooth ...
 
 Exit codes: 0 done, 2 refused with one line on stderr, 130 interrupted.
 """
@@ -27,24 +27,20 @@ from .options import (
     CameraOptions,
     Ground,
     GroundOptions,
+    Output,
+    OutputFolder,
     OverlayOptions,
     Sun,
+    Switch,
     TerrainOptions,
     VertexOptions,
 )
-from .output import (
-    PROGRAM,
-    complain,
-    log,
-    progress_bar,
-    say,
-    say_table,
-    set_verbosity,
-    warn,
-)
+from .output import PROGRAM, complain, log, progress_bar, say, say_table, set_verbosity, warn
 from .pattern import pattern
+from .pyramid import build, info, is_store, open_store
 from .report import report
 from .smooth import smooth
+from .tiles import serve, tiles
 from .view import view
 
 REFUSED: Final = 2
@@ -63,8 +59,7 @@ app = App(
 )
 app.meta.suppress_keyboard_interrupt = False
 
-Output = Annotated[Path, Parameter(alias="-o", metavar="FILE")]
-OutputFolder = Annotated[Path, Parameter(alias="-o", metavar="DIR")]
+Memory = Annotated[str | None, Parameter(metavar="SIZE")]
 
 
 @app.command(sort_key=1)
@@ -90,6 +85,7 @@ def demo(
             heights,
             output,
             tile=terrain.tile,
+            levels=terrain.levels,
             plane=terrain.plane,
             device=terrain.open(),
             progress=progress,
@@ -109,6 +105,7 @@ def render(
     output: Output,
     style: Literal["shaded", "wireframe", "lod"] = "shaded",
     sun: Sun = None,
+    memory: Memory = None,
     reading: GroundOptions = GroundOptions(),  # noqa: B008
     overlay: OverlayOptions = OverlayOptions(),  # noqa: B008
     view: CameraOptions = CameraOptions(),  # noqa: B008
@@ -124,10 +121,12 @@ def render(
     output
         PNG to write; a folder with --path, --orbit or --flyover.
     style
-        shaded: sunlit and tinted by height. wireframe: the triangles. lod: red for patches with
-        much detail, through green and blue to black for those with little.
+        shaded: sunlit and tinted by height. wireframe: the triangles. lod: red where a segment
+        is a cell of the raster, through green and blue to black where it is 64 or more.
     sun
         Where the light comes from: degrees clockwise from north, degrees above the horizon.
+    memory
+        Of a pyramid that build wrote: how much of it to hold, such as 512MB.
     """
     from ..drawing.graphics import require_graphics
     from ..drawing.picture import draw, require_png, save_png
@@ -137,15 +136,24 @@ def render(
     chosen = lod.make(terrain.tile, *filter(None, [many.beside]))
     beside = many.second(lod, terrain.tile)
     require_graphics()
+    if is_store(ground):
+        opened = open_store(ground, memory, terrain.open())
+        camera = view.over(opened.overview)
+        made = opened.mesh(camera, lod=chosen)
+        light: dict[str, Any] = {} if sun is None else {"sun": sun}
+        seen = draw(made, camera, style=style, height_range=opened.height_range, **light)
+        save_png(seen, output)
+        say(f"{output}: {_counts(made, opened.overview)}")
+        return None
     heights, added = reading.load(ground), overlay.load()
     camera = view.over(heights)
     log("%r", heights)
     options: dict[str, Any] = {"style": style} if sun is None else {"style": style, "sun": sun}
     if many.many:
-        made = terrain.make(heights, added)
+        made = terrain.make(heights, chosen, added)
         return many.render(made, camera, output, [chosen, *beside], meshing, **options)
     options |= {"drape": many.drape(heights), "wireframe": many.wireframe}
-    mesh = terrain.make(heights, added).mesh(camera, lod=chosen, **vars(meshing))
+    mesh = terrain.make(heights, chosen, added).mesh(camera, lod=chosen, **vars(meshing))
     log("%r from %r", mesh, chosen)
     save_png(draw(mesh, camera, height_range=heights.height_range, **options), output)
     say(f"{output}: {_counts(mesh, heights)}")
@@ -158,7 +166,8 @@ def mesh(
     /,
     *,
     output: Output,
-    cull: Annotated[bool, Parameter(show_default=False)] = False,
+    cull: Switch = False,
+    memory: Memory = None,
     reading: GroundOptions = GroundOptions(),  # noqa: B008
     overlay: OverlayOptions = OverlayOptions(),  # noqa: B008
     view: CameraOptions = CameraOptions(),  # noqa: B008
@@ -175,6 +184,8 @@ def mesh(
     cull
         Leave out patches that the camera does not see. Files are looked at from anywhere, so that
         they are whole by default.
+    memory
+        Of a pyramid that build wrote: how much of it to hold, such as 512MB.
     """
     from ..files.meshes.export import FORMATS
     from ..measure.cracks import crack_report
@@ -183,10 +194,17 @@ def mesh(
     require_folder(output)
     one_of("mesh format", output.suffix.lower(), FORMATS)
     chosen = lod.make(terrain.tile)
+    if is_store(ground):
+        opened = open_store(ground, memory, terrain.open())
+        made = opened.mesh(view.over(opened.overview), lod=chosen, cull=cull)
+        made.save(output)
+        say(f"{output}: {_counts(made, opened.overview)}")
+        say(str(crack_report(made)))
+        return
     heights, added = reading.load(ground), overlay.load()
     camera = view.over(heights)
     log("%r", heights)
-    made = terrain.make(heights, added).mesh(camera, lod=chosen, cull=cull, **vars(meshing))
+    made = terrain.make(heights, chosen, added).mesh(camera, lod=chosen, cull=cull, **vars(meshing))
     log("%r from %r", made, chosen)
     made.save(output)
     say(f"{output}: {_counts(made, heights)}")
@@ -223,6 +241,10 @@ app.command(report, sort_key=4)
 app.command(view, sort_key=7)
 app.command(smooth, sort_key=8)
 app.command(pattern, sort_key=9)
+app.command(build, sort_key=10)
+app.command(info, sort_key=11)
+app.command(tiles, sort_key=12)
+app.command(serve, sort_key=13)
 
 
 def _counts(mesh: Any, ground: Heightmap) -> str:

@@ -5,19 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from ..camera.viewpoint import default_camera
 from ..device.device import Device
-from ..device.layout import DEFAULT_TILE
 from ..drawing.graphics import graphics_problem
 from ..drawing.render import render
 from ..ground.heightmap import Heightmap
 from ..measure.cracks import crack_report
-from ..measure.error import vertical_error
+from ..measure.screen_error import screen_error
 from ..paths import require_made
 from ..reports.report import report
-from ..terrain.lod_formulas import CoplanarityLod
 from ..terrain.terrain import Terrain
 
 _CONTENTS: Final = {
@@ -58,53 +56,32 @@ def make_demo(
     ground: Heightmap,
     folder: str | Path,
     *,
-    tile: int = DEFAULT_TILE,
+    tile: int | None = None,
+    levels: int | None = None,
     plane: str = "least_squares",
     device: Device | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Demo:
-    """Write a GLB mesh, a picture and a report of `ground`.
+    """Write a GLB mesh, a picture and a report of `ground`, as :func:`terrain_lod.report` takes it.
 
-    Parameters
-    ----------
-    ground : Heightmap
-    folder : str or Path
-        Made if it is not there.
-    tile : int, optional
-    plane : {"least_squares", "corners"}, optional
-    device : Device, optional
-    progress : callable, optional
-        Called with steps done and steps in all.
-
-    Returns
-    -------
-    Demo
-
-    Raises
-    ------
-    InputError
-        If an option is not one of these.
-    FileError
-        If the folder or a file cannot be written.
+    Raises what that does.
     """
-    device = device or Device.open()
+    device = Device.of(device)
     camera = default_camera(ground)
-    terrain = Terrain(ground, tile=tile, plane=plane, device=device)
-    mesh = terrain.mesh(camera, lod=CoplanarityLod(), cull=False)
+    options: dict[str, Any] = {"tile": tile, "levels": levels, "plane": plane, "device": device}
+    mesh = Terrain(ground, **options).mesh(camera, cull=False)
     folder = require_made(Path(folder))
     path = mesh.save(folder / f"{ground.name}.glb")
     sound = "cracks in it" if crack_report(mesh) else "watertight"
-    error = vertical_error(mesh, ground, device=device)
-    rms = f"RMS {error.rms:.3g} {ground.unit_symbols[1]}"
-    rows = [_row(path, f"mesh: {len(mesh.triangles):,} triangles, {sound}, {rms}")]
+    error = screen_error(mesh, ground, camera, device=device)
+    within = f"within {error.maximum:.3g} pixels"
+    rows = [_row(path, f"mesh: {len(mesh.triangles):,} triangles, {sound}, {within}")]
     problem = graphics_problem()
     if problem is None:
         path = folder / f"{ground.name}.png"
         render(mesh, path, camera=camera, height_range=ground.height_range)
         rows.append(_row(path, "picture of it"))
-    made = report(
-        ground, folder, camera=camera, tile=tile, plane=plane, device=device, progress=progress
-    )
+    made = report(ground, folder, camera=camera, **options, progress=progress)
     rows += [_row(made.files[kind], what) for kind, what in _CONTENTS.items() if kind in made.files]
     return Demo(tuple(rows), made.verdict, problem)
 

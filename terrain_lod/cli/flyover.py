@@ -14,14 +14,13 @@ from ..ground.heightmap import Heightmap
 from ..terrain.lod import AnyLod, Lod, PromiseLod
 from ..terrain.terrain import Terrain
 from .lod_options import LodOptions
-from .options import MeshingOptions
+from .options import MeshingOptions, Switch
 from .output import progress_bar, say
 
 if TYPE_CHECKING:
     from ..drawing.drape import Drape
 
 _PATH: Final = Group("Many pictures", sort_key=5)
-_Switch = Annotated[bool, Parameter(show_default=False)]
 
 
 @Parameter(name="*", group=_PATH)
@@ -31,9 +30,9 @@ class PathOptions:
 
     path: Annotated[Path | None, Parameter(metavar="FILE")] = None
     """JSON list of cameras to fly through; --output is a folder then, as with the next two."""
-    orbit: _Switch = False
+    orbit: Switch = False
     """Once around the target."""
-    flyover: _Switch = False
+    flyover: Switch = False
     """Across the ground from the south to the north."""
     frames: int = 60
     """How many pictures. Those that are there already are not made again."""
@@ -42,7 +41,7 @@ class PathOptions:
     that it knows, without weights."""
     texture: Annotated[Path | None, Parameter(metavar="FILE")] = None
     """Picture laid over the ground in place of tints, row 0 north."""
-    wireframe: _Switch = False
+    wireframe: Switch = False
     """Draw the triangles over the picture."""
     counts: Annotated[bool, Parameter(negative="--no-counts", show_default=False)] = True
     """Write the number of triangles into the pictures of a path, or do not."""
@@ -67,7 +66,7 @@ class PathOptions:
             return orbit(terrain.ground, self.frames, camera=camera)
         return flyover(terrain.ground, self.frames, size=camera.size)
 
-    def second(self, options: LodOptions, tile: int) -> list[Lod | PromiseLod]:
+    def second(self, options: LodOptions, tile: int | None) -> list[Lod | PromiseLod]:
         """Return the level of detail that is shown beside the first, if any."""
         return [] if self.beside is None else [options.beside(self.beside, tile)]
 

@@ -17,7 +17,7 @@ from cyclopts import Parameter
 
 from ..arguments import whole
 from ..curved.patch_factors import EDGE_FACTORS, EdgeFactor
-from ..device.layout import MAX_TILE
+from ..device.layout import FLAT_TILE, MAX_TILE
 from ..errors import InputError
 from ..numbered import TILE, Number, Numbered, numbers_of, summary_of
 from ..terrain.lod import WEIGHTS, AnyLod, Lod, PromiseLod, Weighted
@@ -124,13 +124,13 @@ class LodOptions(FormulaOptions):
     def tables(cls) -> Iterable[Mapping[str, type[Numbered]]]:
         return (LODS,)
 
-    def make(self, tile: int, *also: str, default: str = "screen-error") -> AnyLod:
-        """Return the level of detail that was asked for, in tiles of `tile` cells.
+    def make(self, tile: int | None, *also: str, default: str = "screen-error") -> AnyLod:
+        """Return the level of detail that was asked for, in tiles of `tile` cells if that is said.
 
         Numbers of those that `also` take some are left to them.
         """
         name = self.lod or default
-        whole("tile", tile, 1, MAX_TILE)
+        tile = FLAT_TILE if tile is None else whole("tile", tile, 1, MAX_TILE)
         made = self._made(LODS, name, *also, tile=tile)
         if not self.given.keys() & WEIGHTS.keys():
             return made
@@ -141,9 +141,9 @@ class LodOptions(FormulaOptions):
         """Return distance LOD, with those options that it takes."""
         return self._made({"distance": DistanceLod}, "distance", *LODS)
 
-    def beside(self, name: str, tile: int) -> Lod | PromiseLod:
+    def beside(self, name: str, tile: int | None) -> Lod | PromiseLod:
         """Return the level of detail called `name`, with those options that it takes."""
-        return self._made(LODS, name, *LODS, tile=tile)
+        return self._made(LODS, name, *LODS, tile=tile or FLAT_TILE)
 
 
 @Parameter(name="*", group=DETAIL)

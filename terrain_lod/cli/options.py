@@ -14,6 +14,7 @@ from ..camera.camera_file import load_camera
 from ..camera.viewpoint import default_camera
 from ..errors import FileError, InputError
 from ..ground.heightmap import Heightmap
+from ..terrain.lod import AnyLod, PromiseLod, unweighted
 
 if TYPE_CHECKING:
     from ..device.device import Device
@@ -43,10 +44,15 @@ _Size = Annotated[tuple[int, int] | None, numbers("WIDTHxHEIGHT", 2)]
 _Spacing = Annotated[tuple[float, ...] | None, numbers("DX[,DY]", 1, 2)]
 _Bounds = Annotated[tuple[float, float, float, float] | None, numbers("WEST,SOUTH,EAST,NORTH", 4)]
 _Window = Annotated[tuple[float, float, float, float] | None, numbers("COLUMN,ROW,WIDTH,HEIGHT", 4)]
-_GroundSpacing = Annotated[
+GroundSpacing = Annotated[
     tuple[float, ...] | Literal["map"] | None, numbers("DX[,DY]|map", 1, 2, word="map")
 ]
-_Range = Annotated[tuple[float, float] | None, numbers("LOW,HIGH", 2)]
+HeightRange = Annotated[tuple[float, float] | None, numbers("LOW,HIGH", 2)]
+Switch = Annotated[bool, Parameter(show_default=False)]
+Output = Annotated[Path, Parameter(alias="-o", metavar="FILE")]
+OutputFolder = Annotated[Path, Parameter(alias="-o", metavar="DIR")]
+Partitioning = Literal["fractional_odd", "fractional_even", "integer", "pow2"]
+AnyPartitioning = Literal[Partitioning, "semi_uniform"]
 Sun = Annotated[tuple[float, float] | None, numbers("AZIMUTH,ELEVATION", 2)]
 
 Ground = Annotated[
@@ -64,10 +70,10 @@ _WORK: Final = Group("Tiles and device", sort_key=4)
 class GroundOptions:
     """How to read the ground."""
 
-    spacing: _GroundSpacing = None
+    spacing: GroundSpacing = None
     """Distance between samples in world units, instead of what the file says; map takes the
     file's numbers, however much its map is stretched."""
-    height_range: _Range = None
+    height_range: HeightRange = None
     """Heights that the lowest and the highest value of an image stand for."""
     nodata: float | None = None
     """Value that stands for no data, instead of what the file says."""
@@ -95,6 +101,11 @@ class GroundOptions:
                 option = "--" + next(iter(overrides)).replace("_", "-")
                 raise InputError(f"expected a file with {option}, got the sample {name!r}")
             return sample(name)
+        if (Path(name) / "zarr.json").is_file():
+            raise InputError(
+                f"expected a raster file, got the pyramid {name}: build, info, mesh and render "
+                "take it"
+            )
         if not Path(name).exists() and not Path(name).suffix:
             samples = ", ".join(sample_names())
             raise FileError(f"expected a raster file or a sample ({samples}), got {name!r}")
@@ -113,7 +124,7 @@ class OverlayOptions:
     the ground's, and becomes that of tiles and errors."""
     detail_spacing: _Spacing = None
     """Distance between its samples, instead of what the file says."""
-    detail_range: _Range = None
+    detail_range: HeightRange = None
     """Heights that the lowest and the highest value of an image of detail stand for."""
 
     def load(self) -> Heightmap | None:
@@ -166,11 +177,12 @@ class CameraOptions:
 class MeshingOptions:
     """How factors become triangles."""
 
-    edge_rule: Literal["min", "max", "edge"] | None = None
-    """Factor of an edge between two tiles: the lower of what they want, the higher, or by the
-    edge's own error. Default: edge where an error is kept, else min."""
-    partitioning: Literal["fractional_odd", "fractional_even", "integer", "pow2"] = "fractional_odd"
-    """How the tessellator divides an edge."""
+    edge_rule: Literal["min", "max"] | None = None
+    """Factor of an edge between two tiles: the lower of what a formula wants for them, or the
+    higher. Default: min."""
+    partitioning: Partitioning | None = None
+    """How the tessellator divides an edge. Default: integer where an error is kept, by patches of
+    every size; else fractional_odd, or integer in tiles of an even number of cells."""
 
 
 @Parameter(name="*", group=DETAIL)
@@ -179,8 +191,8 @@ class VertexOptions(MeshingOptions):
     """How factors become triangles, and where their vertices stand."""
 
     heights: Literal["ground", "fitted"] = "ground"
-    """Vertices on the ground, or floating within the error that is kept: fewer triangles, more
-    time; with --partitioning integer."""
+    """Vertices on the ground, or floating within the error that a promise keeps: fewer
+    triangles, more time."""
 
 
 @Parameter(name="*", group=_WORK)
@@ -188,8 +200,11 @@ class VertexOptions(MeshingOptions):
 class TerrainOptions:
     """How the ground is cut up, and what works on it."""
 
-    tile: int = 15
-    """Cells along a tile, 1 to 63."""
+    tile: int | None = None
+    """Cells along a tile, 1 to 63. Default: 4, or 15 in a flat grid."""
+    levels: int | None = None
+    """Sizes of patches, each twice the last; 1 is a flat grid of tiles. Default: up to the whole
+    raster where an error is kept, 1 for formulas."""
     plane: Literal["least_squares", "corners"] = "least_squares"
     """The plane that a tile's deviation is measured from: the best fit, or the book's."""
     device: str | None = None
@@ -200,7 +215,15 @@ class TerrainOptions:
 
         return Device.open(self.device)
 
-    def make(self, ground: Heightmap, detail: Heightmap | None = None) -> Terrain:
+    def make(self, ground: Heightmap, lod: AnyLod, detail: Heightmap | None = None) -> Terrain:
+        """Return the terrain that a level of detail is at its best on."""
         from ..terrain.terrain import Terrain
 
-        return Terrain(ground, detail=detail, tile=self.tile, plane=self.plane, device=self.open())
+        return Terrain(
+            ground,
+            detail=detail,
+            tile=self.tile,
+            levels=self.levels or (None if isinstance(unweighted(lod), PromiseLod) else 1),
+            plane=self.plane,
+            device=self.open(),
+        )

@@ -13,9 +13,10 @@ from ..numbered import Numbered, numbers_of, refuse_names
 # options of commands, and settings of viewers
 _TAKEN: Final = (
     "lod",
-    "edges",
+    "edge_rule",
     "partitioning",
     "tile",
+    "levels",
     "plane",
     "device",
     "mode",

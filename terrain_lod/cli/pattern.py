@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Annotated, Final, Literal
 
 import numpy as np
 import numpy.typing as npt
-from cyclopts import Parameter
 
 from ..arguments import one_of, whole
 from ..errors import InputError
 from ..paths import require_folder
 from ..tessellation.factors import DOMAINS
 from ..tessellation.pattern import Pattern
-from .options import numbers
+from .options import AnyPartitioning, Output, numbers
 from .output import progress_bar, say
 
 _Factors = Annotated[tuple[float, ...] | None, numbers("FACTOR[,FACTOR...]", 1, 2, 3, 4)]
@@ -27,11 +25,9 @@ _ANIMATION: Final = ".gif"
 
 def pattern(
     *,
-    output: Annotated[Path, Parameter(alias="-o", metavar="FILE")],
+    output: Output,
     domain: Literal["quad", "triangle", "isoline"] = "quad",
-    partitioning: Literal[
-        "integer", "pow2", "fractional_odd", "fractional_even", "semi_uniform"
-    ] = "fractional_odd",
+    partitioning: AnyPartitioning = "fractional_odd",
     edge_factors: _Factors = None,
     inside_factors: _Factors = None,
     sweep: _Sweep = None,
@@ -46,7 +42,7 @@ def pattern(
     domain
         quad: four edges and two factors inside. triangle: three and one. isoline: lines, segments.
     partitioning
-        How factors divide edges. semi_uniform: triangles by whole levels of powers of two.
+        How factors divide edges. semi_uniform: triangles or quads by whole levels of powers of two.
     edge_factors
         Of u = 0, v = 0, u = 1, v = 1, of u = 0, v = 0, w = 0, or lines and segments; one
         for all. Default: 5.
@@ -62,8 +58,8 @@ def pattern(
 
     ending = output.suffix.lower()
     semi_uniform = partitioning == _SEMI_UNIFORM
-    if semi_uniform and domain != "triangle":
-        raise InputError(f"expected --domain triangle with semi_uniform, got {domain}")
+    if semi_uniform and domain == "isoline":
+        raise InputError("expected --domain triangle or quad with semi_uniform, got isoline")
     require_folder(output)
     edge_count, inside_count, _ = DOMAINS[domain]
     if semi_uniform:

@@ -15,21 +15,16 @@ from .options import (
     CameraOptions,
     GroundOptions,
     MeshingOptions,
+    OutputFolder,
+    Switch,
     TerrainOptions,
 )
-from .output import (
-    log,
-    progress_bar,
-    say,
-    warn,
-)
+from .output import log, progress_bar, say, warn
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
 Ground = Annotated[str | None, Parameter(metavar="GROUND", show_default=False)]
-OutputFolder = Annotated[Path, Parameter(alias="-o", metavar="DIR")]
-Switch = Annotated[bool, Parameter(show_default=False)]
 
 _VIEWS: Final = 3
 
@@ -82,9 +77,12 @@ def report(
     if ground is None:
         raise InputError("expected GROUND, a raster file or the name of a sample, got none")
     if compare:
-        # the planes that deviations are measured from matter to the pair alone
-        plane = {name: value for name, value in _given(terrain).items() if name == "plane"}
-        _refuse("--compare", named | pair_alone | plane)
+        # what deviations are measured from, and sizes of patches, are the pair's alone
+        given = _given(terrain)
+        _refuse(
+            "--compare",
+            named | pair_alone | {name: given.get(name) for name in ("plane", "levels")},
+        )
     elif views is not None:
         raise InputError(f"expected --compare with --views, got --views {views} alone")
     heights = reading.load(ground)
@@ -129,6 +127,7 @@ def _write_pair(
             output,
             camera=view.over(heights),
             tile=terrain.tile,
+            levels=terrain.levels,
             plane=terrain.plane,
             lod=chosen,
             distance=distance,

@@ -16,7 +16,7 @@ from ..camera.viewpoint import camera_around
 from ..errors import InputError
 from ..paths import require_folder
 from .lod_options import EdgeOptions
-from .options import CameraOptions
+from .options import AnyPartitioning, CameraOptions, Output
 from .output import say
 
 if TYPE_CHECKING:
@@ -29,13 +29,11 @@ def smooth(
     mesh: Annotated[Path, Parameter(metavar="MESH")],
     /,
     *,
-    output: Annotated[Path, Parameter(alias="-o", metavar="FILE")],
+    output: Output,
     sharp: bool = False,
     crease: float | None = None,
     normals: Literal["quadratic", "linear"] = "quadratic",
-    partitioning: Literal[
-        "fractional_odd", "fractional_even", "integer", "pow2", "semi_uniform"
-    ] = "fractional_odd",
+    partitioning: AnyPartitioning = "fractional_odd",
     device: str | None = None,
     view: CameraOptions = CameraOptions(),  # noqa: B008
     detail: EdgeOptions = EdgeOptions(),  # noqa: B008

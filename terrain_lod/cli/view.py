@@ -10,7 +10,7 @@ from cyclopts import Parameter
 from ..arguments import whole
 from ..errors import InputError
 from .lod_options import ViewedOptions
-from .options import CameraOptions, GroundOptions, Sun
+from .options import AnyPartitioning, CameraOptions, GroundOptions, Sun
 from .output import log, say
 
 if TYPE_CHECKING:
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from ..viewer.settings import Settings
 
 Mode = Literal["shaded", "wireframe", "lod", "deviation", "error", "normals"]
-Partitioning = Literal["fractional_odd", "fractional_even", "integer", "pow2", "semi_uniform"]
 
 
 def view(
@@ -34,10 +33,11 @@ def view(
     record: Annotated[Path | None, Parameter(metavar="FILE")] = None,
     frames: int = 60,
     mode: Mode | None = None,
-    partitioning: Partitioning | None = None,
+    partitioning: AnyPartitioning | None = None,
     y_up: bool = False,
     sun: Sun = None,
     tile: int | None = None,
+    levels: int | None = None,
     device: str | None = None,
     reading: GroundOptions = GroundOptions(),  # noqa: B008
     camera: CameraOptions = CameraOptions(),  # noqa: B008
@@ -83,7 +83,10 @@ def view(
     sun
         Where the light comes from: degrees clockwise from north, degrees above the horizon.
     tile
-        Cells along a tile, 1 to 63. Of ground alone. Default: 7, or 15 on large ground.
+        Cells along a tile, 1 to 63. Of ground alone. Default: 4, or 8 on large ground.
+    levels
+        Sizes of patches that errors are kept with, each twice the last; 1 is a flat grid of tiles.
+        Of ground alone. Default: up to the whole raster.
     device
         cpu, gpu, a number or part of a name, see doctor. Default: a GPU if there is one.
     """
@@ -99,7 +102,7 @@ def view(
     if sun is not None:
         chosen |= {"azimuth": sun[0] % 360, "elevation": sun[1]}
     path = Path(subject) if Path(subject).exists() else None
-    model = Model(lambda: _scene(subject, reading, tile, device, y_up), path=path)
+    model = Model(lambda: _scene(subject, reading, tile, levels, device, y_up), path=path)
     settings = model.scene.settings
     for name, value in chosen.items():
         if value is not None:
@@ -140,7 +143,12 @@ def _changed(settings: Settings, name: str, value: Any) -> Settings:
 
 
 def _scene(
-    name: str, reading: GroundOptions, tile: int | None, device: str | None, y_up: bool
+    name: str,
+    reading: GroundOptions,
+    tile: int | None,
+    levels: int | None,
+    device: str | None,
+    y_up: bool,
 ) -> Scene:
     """Return what is to be looked at, by the ending of its name."""
     from ..device.device import Device
@@ -154,12 +162,12 @@ def _scene(
     if not Path(name).suffix or name.lower().endswith(endings):
         if y_up:
             raise InputError(f"expected a mesh with --y-up, got the ground {name}")
-        scene = TerrainScene(reading.load(name), device=Device.open(device))
+        scene = TerrainScene(reading.load(name), levels=levels, device=Device.open(device))
         if tile is not None:
             scene.settings = scene.settings.with_tile(tile)
         log("%r", scene.ground)
         return scene
-    for option, value in {**vars(reading), "tile": tile}.items():
+    for option, value in {**vars(reading), "tile": tile, "levels": levels}.items():
         if value is not None:
             raise InputError(f"expected a raster with --{option.replace('_', '-')}, got {name}")
     if name.lower().endswith(".bpt"):

@@ -10,7 +10,11 @@ stand at the top; this is what they are given, and what needs no mesh to begin w
 """
 
 from ..files.meshes.bpt import load_bpt, save_bpt
-from .bezier import bezier
+from .bezier import b_spline, bezier
+from .bezier_curves import bezier_curve
+from .catmull_clark import catmull_clark
+from .continuity import Continuity, curve_continuity, patch_continuity
+from .control_mesh import ControlMesh
 from .creases import split_at_creases
 from .curved_mesh import CurvedMesh
 from .curves import ParametricCurve, Polyline, curve
@@ -25,9 +29,12 @@ from .patch_factors import (
     SilhouetteFactor,
     UniformFactor,
 )
+from .posed import PosedMesh
 from .surfaces import ParametricSurface, surface
 
 __all__ = [
+    "Continuity",
+    "ControlMesh",
     "CurvatureFactor",
     "CurvedMesh",
     "Decal",
@@ -38,12 +45,18 @@ __all__ = [
     "ParametricCurve",
     "ParametricSurface",
     "Polyline",
+    "PosedMesh",
     "SilhouetteFactor",
     "UniformFactor",
+    "b_spline",
     "bezier",
+    "bezier_curve",
+    "catmull_clark",
     "curve",
+    "curve_continuity",
     "dent",
     "load_bpt",
+    "patch_continuity",
     "save_bpt",
     "shoot",
     "split_at_creases",

@@ -7,10 +7,12 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
+from ..arguments import finite
 from ..errors import InputError
 from ..mesh.mesh import Mesh
 from ..mesh.normals import vertex_normals
 from ..mesh.open_edges import weld
+from ..mesh.soundness import sound_mesh
 from .adjacency import EDGE_ENDS, Adjacency
 
 
@@ -41,6 +43,7 @@ def split_at_creases(mesh: Mesh, degrees: float) -> Mesh:
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
+    mesh, degrees = sound_mesh(mesh), finite("degrees", degrees)
     if not 0 <= degrees <= 180:
         raise InputError(f"expected an angle from 0 to 180 degrees, got {degrees:g}")
     adjacency = Adjacency.of(mesh)

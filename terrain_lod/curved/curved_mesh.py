@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from ..arguments import array
 from ..device.layout import FIXED_ONE
 from ..errors import InputError
 from ..mesh.mesh import Mesh
@@ -31,6 +32,18 @@ class CurvedMesh(Mesh):
     points: npt.NDArray[np.uint32]
     point_offsets: npt.NDArray[np.int64]
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._keep("source_triangles", ("T", 3), np.int32)
+        self._keep("points", (len(self.vertices), 2), np.uint32)
+        self._keep("point_offsets", (len(self.source_triangles) + 1,), np.int64)
+        first, last = self.point_offsets[[0, -1]].tolist()
+        if (first, last) != (0, len(self.vertices)) or (np.diff(self.point_offsets) < 0).any():
+            raise InputError(
+                f"expected point_offsets that rise from 0 to {len(self.vertices)}, got {first} to "
+                f"{last}"
+            )
+
     def interpolate(self, values: npt.ArrayLike) -> npt.NDArray[np.float32]:
         """Return what the source has at its vertices, blended: texture coordinates, colours.
 
@@ -49,14 +62,15 @@ class CurvedMesh(Mesh):
         InputError
             If there are fewer values than vertices.
         """
-        given = np.asarray(values, np.float64)
         wanted = int(self.source_triangles.max(initial=-1)) + 1
-        if given.ndim == 0 or len(given) < wanted:
+        given = array("values", values, ("V", ...), is_finite=False)
+        if len(given) < wanted:
             raise InputError(f"expected values for {wanted} vertices, got shape {given.shape}")
         corners = np.repeat(self.source_triangles, np.diff(self.point_offsets), axis=0)
         u, v = self.points.T.astype(np.float64) / FIXED_ONE
-        blended = sum(
-            weight.reshape(-1, *(1,) * (given.ndim - 1)) * given[corners[:, corner]]
-            for corner, weight in enumerate((u, v, 1 - u - v))
-        )
-        return np.asarray(blended, np.float32)
+        with np.errstate(over="ignore", invalid="ignore"):  # of what is not finite
+            blended = sum(
+                weight.reshape(-1, *(1,) * (given.ndim - 1)) * given[corners[:, corner]]
+                for corner, weight in enumerate((u, v, 1 - u - v))
+            )
+            return np.asarray(blended, np.float32)

@@ -8,20 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Final
+from typing import ClassVar, Final
 
 import numpy as np
 import numpy.typing as npt
 
-from ..arguments import one_of, positive, whole
+from ..arguments import flag, one_of, positive, whole
 from ..device.device import Device
 from ..device.formulas import formula_defines, formula_numbers
 from ..device.layout import PARTITIONINGS
-from ..errors import InputError
-from ..numbered import Number, checked_numbers, refuse_names
+from ..numbered import Number
 from ..tessellation.pattern import DevicePattern
 from ..tessellation.tessellator import tessellate_device
+from .parametric import Parametric, named, shape_numbers
 
 # arguments of curve(), and what its kernel is built with
 _TAKEN: Final = ("pieces", "factor", "partitioning", "device", "group", "curve", "closed")
@@ -49,7 +48,7 @@ class Polyline:
 
 
 @dataclass(frozen=True)
-class ParametricCurve:
+class ParametricCurve(Parametric):
     """A curve: the header with its formula, and what the host must know of it.
 
     Attributes
@@ -67,12 +66,12 @@ class ParametricCurve:
         If a number's name is taken by an argument of :func:`curve`.
     """
 
-    header: str | Path
-    numbers: Mapping[str, Number]
     closed: bool = False
+    taken: ClassVar[tuple[str, ...]] = _TAKEN
 
     def __post_init__(self) -> None:
-        refuse_names(self.numbers, _TAKEN)
+        super().__post_init__()
+        object.__setattr__(self, "closed", flag("closed", self.closed))
 
 
 _LARGEST: Final = 1e18  # squares are still finite
@@ -148,14 +147,15 @@ def curve(
     >>> curve("torus_knot", pieces=16, factor=5)
     Polyline(81 points, closed)
     """
-    kind = _named(shape)
+    kind = named("curve", shape, CURVES, ParametricCurve)
     one_of("partitioning", partitioning, PARTITIONINGS)
-    given = checked_numbers(Path(kind.header).stem, kind.numbers, numbers)
+    given = shape_numbers(kind, numbers)
     pieces = whole("pieces", pieces, 1, _MOST_PIECES)
     factor = positive("factor", factor)
-    device = device or Device.open()
+    device = Device.of(device)
     # one line a piece
-    factors = np.tile(np.array([1.0, factor], np.float32), (pieces, 1))
+    with np.errstate(over="ignore"):  # to infinity, which is clamped
+        factors = np.tile(np.array([1.0, factor], np.float32), (pieces, 1))
     pattern = tessellate_device(
         "isoline", device.array(factors), None, partitioning, clockwise=True
     )
@@ -164,14 +164,6 @@ def curve(
     kept = np.ones(len(positions), bool)
     kept[pattern.point_offsets.host()[1:-1] - 1] = False
     return Polyline(positions[kept], tangents[kept], kind.closed)
-
-
-def _named(shape: object) -> ParametricCurve:
-    if isinstance(shape, ParametricCurve):
-        return shape
-    if not isinstance(shape, str):
-        raise InputError(f"expected a curve's name or a ParametricCurve, got {shape!r}")
-    return CURVES[one_of("curve", shape, CURVES)]
 
 
 def _evaluated(

@@ -4,25 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
 
-from ..arguments import finite, one_of, positive
-from ..camera.camera import Point, point
+from ..arguments import each, finite, flag, list_of, one_of, positive
+from ..camera.camera import Camera, Point, point
 from ..device import layout
 from ..device.device import Device, DeviceArray
 from ..errors import InputError
 from ..mesh.mesh import Mesh
 from ..mesh.queries import MeshQueries
+from ..mesh.vertices import DeviceVertices
 from ..tessellation.factors import DeviceFactors
-from ..tessellation.pattern import DevicePattern
-from .displaced import moved_mesh
+from ..tessellation.tessellator import tessellate_device
 from .displaced_maps import checked_map
-from .patch_factors import checked_factor
+from .patch_factors import EdgeFactor, UniformFactor, checked_factor
 from .patched_mesh import PatchedMesh, require_curvable
-from .pn import DevicePatchMesh
+from .pn import KEEP_ALL, DevicePatchMesh, edge_factors_on_device, evaluate_on_device
+from .smooth import back_cosine_of, diagonal_of, from_device, view_for
 
 _GROUP: Final = 64
 _RUN: Final = 32  # points that a CPU asks together which decals are near
@@ -54,9 +55,8 @@ class Decal:
     bias: float = 0.0
 
     def __post_init__(self) -> None:
-        positive("radius", self.radius)
-        finite("scale", self.scale)
-        finite("bias", self.bias)
+        for name, check in (("radius", positive), ("scale", finite), ("bias", finite)):
+            object.__setattr__(self, name, check(name, getattr(self, name)))
         for name in ("point", "normal", "tangent"):
             object.__setattr__(self, name, point(name, getattr(self, name)))
         for name in ("normal", "tangent"):
@@ -110,7 +110,7 @@ def shoot(
     """
     hits = MeshQueries(mesh, device=device).cast(origins, directions)
     numbers = {
-        name: _of_rays(name, values, len(hits))
+        name: each(name, values, (len(hits),))
         for name, values in (("radius", radius), ("scale", scale), ("bias", bias))
     }
     return tuple(
@@ -122,16 +122,6 @@ def shoot(
         )
         for ray in np.flatnonzero(hits.hit)
     )
-
-
-def _of_rays(name: str, values: npt.ArrayLike, count: int) -> Array:
-    """Return a number a ray, (count,), of one for all or one for each."""
-    array = np.asarray(values, np.float64)
-    if array.shape not in ((), (count,)):
-        raise InputError(f"expected one {name}, or one a ray ({count}), got {array.shape}")
-    if not np.isfinite(array).all():
-        raise InputError(f"expected a finite {name}, got {values!r}")
-    return np.broadcast_to(array, count)
 
 
 def _along_horizon(normal: Array) -> Point:
@@ -146,9 +136,13 @@ def dent(
     mesh: Mesh,
     decals: Sequence[Decal],
     depths: npt.ArrayLike,
-    factor: float = 15.0,
+    factor: float | None = None,
     *,
     elsewhere: float = 1.0,
+    lod: EdgeFactor | None = None,
+    camera: Camera | None = None,
+    cull: bool = True,
+    back_faces: float | None = None,
     curved: bool = False,
     partitioning: str = "fractional_odd",
     device: Device | None = None,
@@ -164,9 +158,19 @@ def dent(
         The map that they share; bilinear, its first row at the top.
     factor : float, optional
         Segments where a decal reaches an edge, or the inside of a triangle, 1 to 64; about as many
-        as the map has samples along a triangle.
+        as the map has samples along a triangle. Defaults to 15.
     elsewhere : float, optional
         Segments of all others.
+    lod : EdgeFactor, optional
+        A formula for the segments where decals reach, instead.
+    camera : Camera, optional
+        Where detail is wanted.
+    cull : bool, optional
+        Refine nothing that is out of the camera's view.
+    back_faces : float, optional
+        Refine no decal all of whose patches are turned away from the camera, by more than this
+        cosine: 0 refines the least. For closed meshes; by default all are refined. Decals that
+        raise the surface are refined all the same, since they may show over its outline.
     curved : bool, optional
         Dent the PN-triangles. By default what no decal reaches keeps its plane triangles.
     partitioning : {"fractional_odd", "fractional_even", "integer", "pow2"}, optional
@@ -175,50 +179,103 @@ def dent(
     Returns
     -------
     Mesh
-        Closed where `mesh` is. Normals are those of the dented surface, split where the mesh's are.
+        Closed where `mesh` is. What is not refined is there, with `elsewhere` segments. Normals are
+        those of the mesh, turned as the dents turn its surface, and split where the mesh's are.
 
     Raises
     ------
     InputError
-        If the mesh is not sound, a decal is no Decal, the map is no finite raster, or a factor
-        is out of range.
+        If the mesh is not sound, a decal is no Decal, the map is no finite raster, a factor
+        is out of range, or there is no camera to look through.
     DeviceMemoryError
         If the device cannot hold the mesh.
 
     Notes
     -----
-    *DirectX 11 tessellation*, slides of 2010: decal tessellation, displacement adaptive.
+    *DirectX 11 tessellation*, slides of 2010: decal tessellation, displacement adaptive,
+    back-face culling.
     """
     require_curvable(mesh)
     one_of("partitioning", partitioning, layout.PARTITIONINGS)
-    checked_factor("factor", factor), checked_factor("elsewhere", elsewhere)
+    elsewhere, plane = checked_factor("elsewhere", elsewhere), not flag("curved", curved)
+    back_cosine = back_cosine_of(back_faces, camera)
+    view = view_for(mesh, factor, lod, camera)
+    if lod is None:
+        lod = UniformFactor(checked_factor("factor", 15.0 if factor is None else factor))
     raster = checked_map(depths)
-    for number, decal in enumerate(decals):
-        if not isinstance(decal, Decal):
-            raise InputError(f"expected decals, got {decal!r} at {number}")
-    records = np.array([decal.record(mesh.origin) for decal in decals], layout.DECAL)
-    device = device or Device.open()
+    records = np.array(
+        [decal.record(mesh.origin) for decal in list_of("decals", decals, Decal)], layout.DECAL
+    )
+    device = Device.of(device)
     with device.timed() as timeline:
-        base = PatchedMesh.upload(mesh, device, plane=not curved)
-        factors = reach_on_device(base.patches, base.nets, records, factor, elsewhere)
+        base = PatchedMesh.upload(mesh, device, plane=plane)
+        segments = edge_factors_on_device(base.patches, lod, diagonal_of(mesh), view)
+        in_view, reaching = device.array(np.ones(base.patches.count, np.int32)), records
+        if flag("cull", cull) and camera is not None and len(records):
+            in_view, seen = views_on_device(base.nets, records, raster, view, back_cosine)
+            reaching = records[seen]
+        factors = reach_on_device(base.patches, base.nets, reaching, segments, elsewhere, in_view)
+        pattern = tessellate_device(
+            "triangle", factors.edge, factors.inside, partitioning, clockwise=True
+        )
+        vertices = evaluate_on_device(base.nets, pattern, linear_normals=plane)
+        dent_on_device(vertices, records, raster)
+        return from_device(base.mesh, pattern, vertices, timeline)
 
-        def move(_: DevicePattern, positions: DeviceArray) -> None:
-            dent_on_device(positions, records, raster)
 
-        return moved_mesh(base, factors, partitioning, move, timeline)
+def views_on_device(
+    nets: DeviceArray,
+    decals: npt.NDArray[np.void],
+    depths: npt.NDArray[np.float32],
+    view: npt.NDArray[Any],
+    back_cosine: float | None,
+) -> tuple[DeviceArray, npt.NDArray[np.bool_]]:
+    """Return which patches are in view, (T,) int32, and which ``layout.DECAL`` records, (D,) bool.
+
+    A decal is, where a patch that it reaches is in view and not turned away by `back_cosine`; and
+    one that may raise the surface, wherever its patches are turned.
+    """
+    device, count = nets.device, nets.shape[0]
+    ends = decals["bias"] + decals["scale"] * np.array([[depths.min()], [depths.max()]])
+    in_view, seen = device.empty(count, np.int32), device.zeros(len(decals), np.int32)
+    raises = bool((ends < 0).any())
+    device.kernel("curved/decal_reach.cl", "views")(
+        (count,),
+        (_GROUP,),
+        triangles=count,
+        decal_count=len(decals),
+        view=view,
+        back_cosine=KEEP_ALL if back_cosine is None or raises else back_cosine,
+        decals=device.array(decals),
+        moves=device.array(np.abs(ends).max(axis=0).astype(np.float32)),
+        nets=nets,
+        in_view=in_view,
+        seen=seen,
+    )
+    return in_view, seen.host() > 0
 
 
 def reach_on_device(
     mesh: DevicePatchMesh,
     nets: DeviceArray,
     decals: npt.NDArray[np.void],
-    factor: float,
+    segments: DeviceArray,
     elsewhere: float,
+    in_view: DeviceArray,
 ) -> DeviceFactors:
-    """Return `factor` for edges and insides that any ``layout.DECAL`` record reaches.
+    """Return factors of edges and insides, more of them where ``layout.DECAL`` records reach.
 
-    An edge, if the hit is within the radius of it. An inside, if one of its edges is reached, or if
-    the hit is above the triangle, and within the radius of its plane.
+    An edge is reached, if the hit is within the radius of it, and one of its patches in view. An
+    inside, if one of its edges is reached, or if the hit is above the triangle, and within the
+    radius of its plane.
+
+    Parameters
+    ----------
+    segments : DeviceArray, (E,) float32
+        Of edges that are reached; insides take the most of theirs.
+    elsewhere : float
+        Of all others.
+    in_view : DeviceArray, (T,) int32
     """
     device, count, edges = mesh.device, mesh.count, mesh.sides.shape[0]
     made = DeviceFactors(device.empty((count, 3), np.float32), device.empty((count, 1), np.float32))
@@ -232,6 +289,7 @@ def reach_on_device(
         decal_count=len(decals),
         decals=hits,
         sides=mesh.sides,
+        in_view=in_view,
         nets=nets,
         reached=reached,
     )
@@ -240,9 +298,10 @@ def reach_on_device(
         (_GROUP,),
         triangles=count,
         decal_count=len(decals),
-        factor=factor,
         elsewhere=elsewhere,
         decals=hits,
+        factors=segments,
+        in_view=in_view,
         edges=mesh.edges,
         reached=reached,
         nets=nets,
@@ -253,12 +312,12 @@ def reach_on_device(
 
 
 def dent_on_device(
-    positions: DeviceArray, decals: npt.NDArray[np.void], depths: npt.NDArray[np.float32]
+    vertices: DeviceVertices, decals: npt.NDArray[np.void], depths: npt.NDArray[np.float32]
 ) -> None:
-    """Move (N, 3) `positions` by all of the ``layout.DECAL`` records."""
+    """Move vertices by all of the ``layout.DECAL`` records, and turn their normals."""
     if not len(decals):
         return
-    device, count = positions.device, positions.shape[0]
+    device, count = vertices.positions.device, vertices.positions.shape[0]
     run = 1 if device.is_gpu else _RUN
     device.kernel("curved/decals.cl", "decals", RUN=run)(
         (-(-count // run),),
@@ -269,7 +328,8 @@ def dent_on_device(
         depths=device.array(depths),
         rows=depths.shape[0],
         columns=depths.shape[1],
-        positions=positions,
+        positions=vertices.positions,
+        normals=vertices.normals,
     )
 
 

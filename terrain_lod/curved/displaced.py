@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import numpy.typing as npt
 
-from ..arguments import finite, one_of
+from ..arguments import finite, flag, one_of
 from ..camera.camera import Camera
 from ..device import layout
 from ..device.device import Device, DeviceArray
-from ..device.timeline import Timeline
 from ..mesh.mesh import Mesh
 from ..mesh.open_edges import weld
-from ..tessellation.factors import DeviceFactors
 from ..tessellation.pattern import DevicePattern
 from ..tessellation.tessellator import tessellate_device
 from .adjacency import EDGE_ENDS, Adjacency
@@ -23,12 +19,7 @@ from .displaced_normals import corner_kinds, renew_normals_on_device
 from .patch_factors import EdgeFactor
 from .patched_mesh import PatchedMesh, require_curvable
 from .pn import evaluate_on_device, patch_factors_on_device
-from .smooth import (
-    diagonal_of,
-    edge_factors,
-    from_device,
-    view_for,
-)
+from .smooth import diagonal_of, edge_factors, from_device, view_for
 
 
 def displace(
@@ -91,43 +82,28 @@ def displace(
     """
     require_curvable(mesh)
     one_of("partitioning", partitioning, layout.PARTITIONINGS)
-    finite("scale", scale), finite("bias", bias)
+    scale, bias, plane = finite("scale", scale), finite("bias", bias), not flag("curved", curved)
     raster, coordinates = checked_map(heights), checked_textures(textures, mesh)
     view = view_for(mesh, factor, lod, camera)
-    device = device or Device.open()
+    device = Device.of(device)
     with device.timed() as timeline:
-        base = PatchedMesh.upload(mesh, device, plane=not curved)
+        base = PatchedMesh.upload(mesh, device, plane=plane)
         of_edges = edge_factors(base.patches, base.adjacency, factor, lod, diagonal_of(mesh), view)
         factors = patch_factors_on_device(
             base.patches, base.nets, of_edges, view, cull=False, back_cosine=None
         )
 
-        def move(pattern: DevicePattern, positions: DeviceArray) -> None:
-            displace_on_device(
-                base, raster, coordinates, pattern, positions, scale=scale, bias=bias
-            )
-
-        return moved_mesh(base, factors, partitioning, move, timeline)
-
-
-def moved_mesh(
-    base: PatchedMesh,
-    factors: DeviceFactors,
-    partitioning: str,
-    move: Callable[[DevicePattern, DeviceArray], None],
-    timeline: Timeline,
-) -> Mesh:
-    """Tessellate patches, `move` the (N, 3) positions of the points, and take normals from them."""
-    pattern = tessellate_device(
-        "triangle", factors.edge, factors.inside, partitioning, clockwise=True
-    )
-    vertices = evaluate_on_device(base.nets, pattern)
-    move(pattern, vertices.positions)
-    kinds = corner_kinds(base.mesh.vertices, base.mesh.normals, base.adjacency)
-    renew_normals_on_device(
-        base.patches, kinds, factors, partitioning, pattern, vertices.positions, vertices.normals
-    )
-    return from_device(base.mesh, pattern, vertices, timeline)
+        pattern = tessellate_device(
+            "triangle", factors.edge, factors.inside, partitioning, clockwise=True
+        )
+        vertices = evaluate_on_device(base.nets, pattern)
+        positions, normals = vertices.positions, vertices.normals
+        displace_on_device(base, raster, coordinates, pattern, positions, scale=scale, bias=bias)
+        kinds = corner_kinds(base.mesh.vertices, base.mesh.normals, base.adjacency)
+        renew_normals_on_device(
+            base.patches, kinds, factors, partitioning, pattern, positions, normals
+        )
+        return from_device(base.mesh, pattern, vertices, timeline)
 
 
 def displace_on_device(

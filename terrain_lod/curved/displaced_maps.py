@@ -7,9 +7,10 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from ..arguments import positive
+from ..arguments import array, finite, positive
 from ..errors import InputError
 from ..mesh.mesh import Mesh
+from ..mesh.soundness import sound_mesh
 from .adjacency import Adjacency
 from .patch_factors import MAX_FACTOR, checked_factor
 
@@ -51,8 +52,8 @@ def variation_factors(
     (T, 3) float32
         At an edge the larger of both sides', 1 where the map is plane.
     """
-    positive("tolerance", tolerance)
-    checked_factor("maximum", maximum)
+    mesh, scale = sound_mesh(mesh), finite("scale", scale)
+    tolerance, maximum = positive("tolerance", tolerance), checked_factor("maximum", maximum)
     raster, coordinates = checked_map(heights), checked_textures(textures, mesh)
     i, j = np.meshgrid(np.arange(_SAMPLED + 1), np.arange(_SAMPLED + 1), indexing="ij")
     inside = i + j <= _SAMPLED
@@ -91,9 +92,9 @@ def map_heights(heights: npt.NDArray[np.float32], textures: Array) -> Array:
 
 def checked_map(heights: npt.ArrayLike) -> npt.NDArray[np.float32]:
     """Return a map as (R, C) float32, or say what it should be."""
-    raster = np.ascontiguousarray(heights, np.float32)
-    if raster.ndim != 2 or not raster.size or not np.isfinite(raster).all():
-        raise InputError(f"expected a map of finite heights (R, C), got shape {raster.shape}")
+    raster = array("heights of a map", heights, ("R", "C"), np.float32)
+    if not raster.size:
+        raise InputError(f"expected a map of heights, got shape {raster.shape}")
     return raster
 
 
@@ -103,12 +104,7 @@ def checked_textures(textures: npt.ArrayLike | None, mesh: Mesh) -> npt.NDArray[
         if mesh.textures is None:
             raise InputError("expected texture coordinates, got none, and the mesh has none either")
         textures = mesh.textures
-    coordinates = np.ascontiguousarray(textures, np.float32)
-    if coordinates.shape != (len(mesh.vertices), 2) or not np.isfinite(coordinates).all():
-        raise InputError(
-            f"expected finite texture coordinates ({len(mesh.vertices)}, 2), one pair a vertex, "
-            f"got shape {coordinates.shape}"
-        )
+    coordinates = array("texture coordinates", textures, (len(mesh.vertices), 2), np.float32)
     largest = float(np.abs(coordinates).max(initial=0.0))
     if largest > _LARGEST_COORDINATE:
         raise InputError(

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import ClassVar, Final
 
-from ..errors import InputError
+from ..arguments import finite, instance
 from ..numbered import Number, Numbered, number
 
 # the most segments that any partitioning makes
@@ -97,7 +97,7 @@ class DistanceFactor(EdgeFactor):
     header: ClassVar[str | Path] = "curved/factor/distance.h"
 
     def parameters(self, diagonal: float) -> dict[str, float]:
-        far = self.near + diagonal if self.far is None else self.far
+        far = self.near + finite("diagonal", diagonal) if self.far is None else self.far
         return {**self.numbers(), "far": far}
 
 
@@ -206,12 +206,7 @@ def checked_formula(value: object) -> EdgeFactor:
     InputError
         If it is anything else, a class of them included.
     """
-    if isinstance(value, EdgeFactor):
-        return value
-    if isinstance(value, type) and issubclass(value, EdgeFactor):
-        name = value.__name__
-        raise InputError(f"expected a formula for edges, got its class {name}: write {name}(...)")
-    raise InputError(f"expected a formula for edges, such as LengthFactor(8.0), got {value!r}")
+    return instance("a formula for edges, such as LengthFactor(8.0)", value, EdgeFactor)
 
 
 def checked_factor(name: str, value: float) -> float:

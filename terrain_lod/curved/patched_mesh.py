@@ -12,7 +12,7 @@ from ..device.device import Device, DeviceArray
 from ..device.layout import PATCH_ADJACENT, PATCH_DOMINANT
 from ..errors import InputError
 from ..mesh.mesh import Mesh
-from ..mesh.soundness import require_sound
+from ..mesh.soundness import sound_mesh
 from .adjacency import Adjacency
 from .creases import split_at_creases
 from .pn import DevicePatchMesh, nets_on_device
@@ -53,11 +53,11 @@ class PatchedMesh:
             Keep the triangles plane.
         """
         # True is a number, too
-        if not isinstance(sharp, bool):
+        if not isinstance(sharp, bool | np.bool_):
             mesh = split_at_creases(mesh, finite("sharp", sharp))
         mesh = replace(mesh, normals=unit_normals(mesh.normals))
         adjacency = Adjacency.of(mesh)
-        if sharp is False:
+        if isinstance(sharp, bool | np.bool_) and not sharp:
             adjacency = adjacency.without_neighbours()
         patches = DevicePatchMesh.upload(mesh.vertices, mesh.normals, adjacency, device)
         nets = nets_on_device(plane_patches(patches, adjacency) if plane else patches)
@@ -73,9 +73,8 @@ def plane_patches(patches: DevicePatchMesh, adjacency: Adjacency) -> DevicePatch
 
 def require_curvable(mesh: Mesh) -> None:
     """Refuse meshes without triangles, or with numbers that are not finite."""
-    if not len(mesh.triangles):
+    if not len(sound_mesh(mesh).triangles):
         raise InputError("expected triangles to curve, got an empty mesh")
-    require_sound(mesh.vertices, mesh.triangles)
     finite_normals = np.isfinite(mesh.normals).all(axis=1)
     if not finite_normals.all():
         vertex = int(np.argmin(finite_normals))

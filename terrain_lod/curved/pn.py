@@ -23,7 +23,7 @@ from .patch_factors import EdgeFactor
 _GROUP: Final = 64
 _LANES: Final = 8  # points that a CPU evaluates side by side
 # a cosine that nothing is turned away by
-_KEEP_ALL: Final = 2.0
+KEEP_ALL: Final = 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,7 +162,7 @@ def patch_factors_on_device(
         triangles=mesh.count,
         view=view,
         cull_frustum=int(cull),
-        back_cosine=_KEEP_ALL if back_cosine is None else back_cosine,
+        back_cosine=KEEP_ALL if back_cosine is None else back_cosine,
         edges=mesh.edges,
         factors=factors,
         nets=nets,
@@ -210,10 +210,7 @@ def _vertices(
 ) -> DeviceVertices:
     """Run one of the kernels that make a vertex of every point."""
     device, count, patches = nets.device, pattern.points.shape[0], nets.shape[0]
-    device.require(f"{count} vertices", count * 12, count * 12)
-    vertices = DeviceVertices(
-        device.empty((count, 3), np.float32), device.empty((count, 3), np.float32)
-    )
+    vertices = DeviceVertices.empty(device, count)
     group = device.group_size(32)
     groups = device.runs(patches)
     device.kernel(f"curved/{stage}.cl", stage, GROUP=group, **defines)(

@@ -16,7 +16,7 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from ..arguments import finite, one_of
+from ..arguments import each, finite, flag, instance, one_of, told
 from ..camera.camera import Camera
 from ..device import layout
 from ..device.device import Device, DeviceArray
@@ -122,9 +122,9 @@ def pn_triangles(
     require_curvable(mesh)
     one_of("normals", normals, NORMALS)
     one_of("partitioning", partitioning, (*layout.PARTITIONINGS, SEMI_UNIFORM))
-    back_cosine = _back_cosine(back_faces, camera)
+    back_cosine = back_cosine_of(back_faces, camera)
     view = view_for(mesh, factor, lod, camera)
-    device = device or Device.open()
+    device = Device.of(device)
     with device.timed() as timeline:
         base = PatchedMesh.upload(mesh, device, sharp=sharp)
         of_edges = edge_factors(base.patches, base.adjacency, factor, lod, diagonal_of(mesh), view)
@@ -133,7 +133,7 @@ def pn_triangles(
             base.nets,
             of_edges,
             view,
-            cull=cull and camera is not None,
+            cull=flag("cull", cull) and camera is not None,
             back_cosine=back_cosine,
         )
         return tessellate_nets(
@@ -156,10 +156,12 @@ def view_for(
         camera that it needs.
     """
     if lod is not None and factor is not None:
-        raise InputError(f"expected a factor or a lod, got both {factor!r} and {lod}")
+        raise InputError(f"expected a factor or a lod, got both {told(factor)} and {told(lod)}")
     if lod is not None and checked_formula(lod).needs_camera and camera is None:
         raise InputError(f"{type(lod).__name__} needs a camera, got none")
-    return np.zeros((), layout.VIEW) if camera is None else camera.view(mesh.origin)
+    if camera is None:
+        return np.zeros((), layout.VIEW)
+    return instance("a Camera for camera", camera, Camera).view(mesh.origin)
 
 
 def tessellate_nets(
@@ -219,34 +221,25 @@ def edge_factors(
     view: npt.NDArray[Any],
 ) -> DeviceArray:
     """Return the factor of every edge, by formula or as given; (E,) float32."""
-    if lod is None and (factor is None or np.ndim(factor) == 0):
-        lod = UniformFactor() if factor is None else UniformFactor(finite("factor", factor))
-    if lod is not None:
-        return edge_factors_on_device(patches, lod, diagonal, view)
-    try:
-        given = np.asarray(factor, np.float32)
-    except (TypeError, ValueError):
-        raise InputError(f"expected a factor, or one an edge, got {factor!r}") from None
-    if given.shape != adjacency.edges.shape:
-        raise InputError(
-            f"expected a factor, or one an edge {adjacency.edges.shape}, got shape {given.shape}"
-        )
-    if not ((given >= 1) & (given <= MAX_FACTOR)).all():
-        raise InputError(f"expected factors from 1 to {MAX_FACTOR}, got {given.min():g} to "
-                         f"{given.max():g}")  # fmt: skip
+    if factor is None:
+        return edge_factors_on_device(patches, lod or UniformFactor(), diagonal, view)
+    given = each("factor", factor, adjacency.edges.shape, np.float32)
+    if (outside := (given < 1) | (given > MAX_FACTOR)).any():
+        raise InputError(f"expected factor from 1 to {MAX_FACTOR}, got {given[outside][0]:g}")
     of_edge = np.zeros(len(adjacency.sides), np.float32)
     np.maximum.at(of_edge, adjacency.edges.ravel(), given.ravel())
     return patches.device.array(of_edge)
 
 
-def _back_cosine(back_faces: float | None, camera: Camera | None) -> float | None:
+def back_cosine_of(back_faces: float | None, camera: Camera | None) -> float | None:
     if back_faces is None:
         return None
     if camera is None:
         raise InputError("back_faces needs a camera, got none")
-    if not 0 <= finite("back_faces", back_faces) < 1:
-        raise InputError(f"expected back_faces from 0 to below 1, got {back_faces:g}")
-    return back_faces
+    cosine = finite("back_faces", back_faces)
+    if not 0 <= cosine < 1:
+        raise InputError(f"expected back_faces from 0 to below 1, got {cosine:g}")
+    return cosine
 
 
 def diagonal_of(mesh: Mesh) -> float:

@@ -6,20 +6,20 @@ elsewhere is a :class:`ParametricSurface` with the path of its header: docs/own_
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Final
+from typing import ClassVar, Final
 
-from ..arguments import one_of, whole
+from ..arguments import flag, parts, text, told, whole
 from ..device.device import Device
 from ..device.formulas import formula_defines, formula_numbers
 from ..errors import InputError
 from ..mesh.mesh import Mesh
 from ..mesh.vertices import DeviceVertices
-from ..numbered import Number, checked_numbers, refuse_names
+from ..numbered import Number
 from ..tessellation.pattern import DevicePattern
-from .uniform_quads import Evaluate, uniform_mesh
+from .parametric import Parametric, named, shape_numbers
+from .quads import Evaluate, uniform_mesh
 
 # arguments of surface(), and what its kernel is built with
 _TAKEN: Final = ("patches", "factor", "partitioning", "device", "group", "surface", "twisted")
@@ -27,7 +27,7 @@ _MOST_PATCHES: Final = 16384  # along u or v: steps are counted in 32 bits
 
 
 @dataclass(frozen=True)
-class ParametricSurface:
+class ParametricSurface(Parametric):
     """A surface: the header with its formula, and what the host must know of it.
 
     Attributes
@@ -48,15 +48,16 @@ class ParametricSurface:
         name is taken by an argument of :func:`surface`.
     """
 
-    header: str | Path
-    numbers: Mapping[str, Number]
     closed: str = ""
     twisted: bool = False
+    taken: ClassVar[tuple[str, ...]] = _TAKEN
 
     def __post_init__(self) -> None:
+        super().__post_init__()
+        object.__setattr__(self, "closed", text("closed", self.closed))
         if self.closed not in ("", "u", "v", "uv"):
-            raise InputError(f"expected closed to be '', 'u', 'v' or 'uv', got {self.closed!r}")
-        refuse_names(self.numbers, _TAKEN)
+            raise InputError(f"expected closed to be '', 'u', 'v' or 'uv', got {told(self.closed)}")
+        object.__setattr__(self, "twisted", flag("twisted", self.twisted))
         if self.twisted and "u" not in self.closed:
             raise InputError(f"expected a twisted surface to be closed in u, got {self.closed!r}")
 
@@ -160,22 +161,15 @@ def surface(
     >>> surface("torus", patches=(8, 4), factor=5, tube=0.3)
     Mesh(1152 vertices, 1600 triangles)
     """
-    kind = _named(shape)
-    given = checked_numbers(Path(kind.header).stem, kind.numbers, numbers)
+    kind = named("surface", shape, SURFACES, ParametricSurface)
+    given = shape_numbers(kind, numbers)
     across, down = (
-        whole("patches", count, 1, _MOST_PATCHES) for count in _pair("patches", patches)
+        whole("patches", count, 1, _MOST_PATCHES)
+        for count in parts("patches", patches, "along u", "along v")
     )
-    device = device or Device.open()
+    device = Device.of(device)
     evaluate = _evaluation(kind, (across, down), given, device)
     return uniform_mesh(across * down, factor, partitioning, device, evaluate)
-
-
-def _named(shape: object) -> ParametricSurface:
-    if isinstance(shape, ParametricSurface):
-        return shape
-    if not isinstance(shape, str):
-        raise InputError(f"expected a surface's name or a ParametricSurface, got {shape!r}")
-    return SURFACES[one_of("surface", shape, SURFACES)]
 
 
 def _evaluation(
@@ -205,11 +199,3 @@ def _evaluation(
         )
 
     return evaluate
-
-
-def _pair(name: str, values: Iterable[int]) -> tuple[int, ...]:
-    """Return two values, or say that two were expected."""
-    pair = tuple(values) if isinstance(values, Iterable) else ()
-    if len(pair) != 2:
-        raise InputError(f"expected two numbers for {name}, got {values!r}")
-    return pair

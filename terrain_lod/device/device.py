@@ -14,8 +14,7 @@ from __future__ import annotations
 import os
 import threading
 import warnings
-import weakref
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache
 from math import prod
@@ -27,6 +26,7 @@ import numpy as np
 import numpy.typing as npt
 import pyopencl as cl
 
+from ..arguments import instance, text, told, whole
 from ..errors import DeviceError, InputError
 from . import layout
 from .drivers import choose, info_of, named, require_own_process
@@ -41,6 +41,7 @@ DEVICE_VARIABLE: Final = "TERRAIN_LOD_DEVICE"
 POCL: Final = "Portable Computing Language"
 
 _LANES: Final = 8  # of a CPU's vectors
+_MOST: Final = 2**31  # tiles, or work-items of a group
 _RUNS: Final = 1024  # launching a group costs a CPU as much as a tile
 # programs that are kept built: ground at two tile sizes and a mesh beside it want no more. PoCL
 # holds 3 to 5 MB for each
@@ -56,6 +57,7 @@ class Device:
     """
 
     def __init__(self, handle: cl.Device) -> None:
+        instance("a device of pyopencl (Device.open() finds one)", handle, cl.Device)
         self.info = info_of(handle)
         if self.info.platform == POCL:
             provide_linker()
@@ -90,8 +92,15 @@ class Device:
         DeviceError
             If there is no such device; the message lists those that exist.
         """
+        if name is not None:
+            text("a device", name)
         with _opening:  # threads share one
             return _open(choose(name or os.environ.get(DEVICE_VARIABLE) or None))
+
+    @classmethod
+    def of(cls, device: Device | None) -> Device:
+        """Return the device that a caller gave, or the default one."""
+        return cls.open() if device is None else instance("a Device for device", device, cls)
 
     def __repr__(self) -> str:
         return f"<Device {self.info}>"
@@ -108,10 +117,12 @@ class Device:
 
     def group_size(self, wanted: int = 64) -> int:
         """Work-items that share one tile or patch: `wanted` on a GPU, one on a CPU."""
+        wanted = whole("wanted", wanted, 1, _MOST)
         return wanted if self.is_gpu else 1
 
     def runs(self, count: int) -> int:
         """Work-groups for `count` tiles or patches: one each on a GPU, runs of them on a CPU."""
+        count = whole("count", count, 0, _MOST)
         return count if self.is_gpu else min(count, _RUNS)
 
     @property
@@ -126,7 +137,7 @@ class Device:
         """Bytes that arrays have in use."""
         return self.memory.allocated
 
-    def require(self, what: str, *nbytes: int) -> None:
+    def require(self, what: object, *nbytes: int) -> None:
         """Refuse allocations of `nbytes` each for `what` where the device cannot hold them.
 
         Raises
@@ -134,7 +145,7 @@ class Device:
         DeviceMemoryError
             With the bytes wanted and had.
         """
-        require_memory(self.info, self.allocated, what, nbytes)
+        require_memory(self.info, self.allocated, what, _counts("nbytes", nbytes))
 
     def require_doubles(self, what: str) -> None:
         """Refuse `what` where the device has no 64-bit floats."""
@@ -154,6 +165,7 @@ class Device:
 
     def array(self, values: npt.NDArray[Any]) -> DeviceArray:
         """Return a copy of host `values` in device memory."""
+        values = np.asarray(instance("an array for values", values, np.ndarray))
         target = self.empty(values.shape, values.dtype)
         target.write(values)
         return target
@@ -179,6 +191,7 @@ class Device:
             If a header from elsewhere cannot be read.
         """
         require_own_process()
+        text("file", file), text("name", name)
         source, content = None, repr(sorted(defines.items()))  # 1, 1.0 and True differ
         if any(isinstance(value, Path) for value in defines.values()):
             source = content = self._source(file, defines)
@@ -247,16 +260,21 @@ class DeviceArray:
 
     def __init__(self, device: Device, shape: tuple[int, ...], dtype: npt.DTypeLike) -> None:
         self.device = device
-        self.shape = tuple(index(extent) for extent in shape)
-        self.dtype: np.dtype[Any] = np.dtype(dtype)
+        self.shape = _counts("shape", shape)
+        self.dtype: np.dtype[Any] = _number_type(dtype)
         # OpenCL has no empty buffers: one element stands in for none
         nbytes = max(self.nbytes, self.dtype.itemsize)
-        what = f"an array of {self.shape} {self.dtype.name}"
-        device.require(what, nbytes)
-        with named(what):
+        device.require(self, nbytes)
+        with named(self):
             self.buffer = device.memory.allocate(nbytes)
         device.memory.account(nbytes)
-        weakref.finalize(self, device.memory.account, -nbytes)
+        self._accounted = nbytes
+        self._whole: DeviceArray | None = None
+
+    def __del__(self) -> None:
+        # those that no memory was found for have none to give back
+        if accounted := self.__dict__.get("_accounted"):
+            self.device.memory.account(-accounted)
 
     @property
     def size(self) -> int:
@@ -265,6 +283,9 @@ class DeviceArray:
     @property
     def nbytes(self) -> int:
         return self.size * self.dtype.itemsize
+
+    def __str__(self) -> str:
+        return f"an array of {self.shape} {self.dtype.name}"
 
     def __repr__(self) -> str:
         return f"<DeviceArray {self.shape} {self.dtype.name} on {self.device.info.name}>"
@@ -289,33 +310,34 @@ class DeviceArray:
             with named("writing", self):
                 cl.enqueue_copy(self.device.queue, self.buffer, flat, dst_offset=offset)
 
+    def head(self, rows: int) -> DeviceArray:
+        """Return its first rows, in the same memory."""
+        part = object.__new__(DeviceArray)
+        part.device, part.dtype, part.buffer = self.device, self.dtype, self.buffer
+        part.shape = (min(rows, self.shape[0]), *self.shape[1:])
+        part._whole = self  # which is counted as long as there are parts of it
+        return part
+
     def copy(self, first: int, end: int) -> DeviceArray:
         """Return another array of the rows from `first` to before `end`."""
         other = self.device.empty((end - first, *self.shape[1:]), self.dtype)
-        row = prod(self.shape[1:]) * self.dtype.itemsize
-        if other.size:
-            with named("copying", self):
-                cl.enqueue_copy(
-                    self.device.queue,
-                    other.buffer,
-                    self.buffer,
-                    src_offset=first * row,
-                    byte_count=other.nbytes,
-                )
+        other._take(self, other.nbytes, src_offset=first * self._row)
         return other
 
     def paste(self, other: DeviceArray, first: int) -> None:
         """Overwrite the rows from `first` on with those of another array on the device."""
-        row = prod(self.shape[1:]) * self.dtype.itemsize
-        if other.size:
+        self._take(other, other.nbytes, dst_offset=first * self._row)
+
+    @property
+    def _row(self) -> int:
+        """Bytes of a row."""
+        return prod(self.shape[1:]) * self.dtype.itemsize
+
+    def _take(self, other: DeviceArray, count: int, **offset: int) -> None:
+        if count:
             with named("copying", other):
-                cl.enqueue_copy(
-                    self.device.queue,
-                    self.buffer,
-                    other.buffer,
-                    dst_offset=first * row,
-                    byte_count=other.nbytes,
-                )
+                queue = self.device.queue
+                cl.enqueue_copy(queue, self.buffer, other.buffer, byte_count=count, **offset)
 
     def fill(self, value: float) -> DeviceArray:
         """Set every element to `value` and return the array."""
@@ -377,12 +399,38 @@ class Kernel:
         """Return what OpenCL takes for `value`, or say what was expected."""
         if not parameter.is_pointer:
             return parameter.scalar(value)
-        match value:
-            case int() if parameter.is_local and value > 0:
-                return cl.LocalMemory(value)
-            case DeviceArray(device=self.device, dtype=parameter.dtype) if not parameter.is_local:
+        if isinstance(value, DeviceArray):
+            if (
+                value.device is self.device
+                and value.dtype == parameter.dtype
+                and not parameter.is_local
+            ):
                 return value.buffer
+        elif isinstance(value, int) and parameter.is_local and value > 0:
+            return cl.LocalMemory(value)
         raise parameter.refusal(value)
+
+
+def _counts(name: str, values: Iterable[object]) -> tuple[int, ...]:
+    """Return whole numbers as they are; arrays are made too often for more than this."""
+    try:
+        counts = tuple(map(index, values))  # type: ignore[arg-type]
+    except TypeError:
+        counts = (-1,)
+    if counts and min(counts) < 0:
+        raise InputError(f"expected whole numbers >= 0 for {name}, got {told(values)}")
+    return counts
+
+
+def _number_type(dtype: npt.DTypeLike) -> np.dtype[Any]:
+    """Return a dtype of numbers, or of records of them."""
+    try:
+        made = np.dtype(dtype)
+    except (TypeError, ValueError):
+        raise InputError(f"expected a dtype, got {told(dtype)}") from None
+    if made.hasobject or made.kind not in "biufV":
+        raise InputError(f"expected a dtype of numbers, got {made}")
+    return made
 
 
 @cache

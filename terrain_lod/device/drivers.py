@@ -5,16 +5,21 @@ from __future__ import annotations
 import os
 import signal
 import threading
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
+from types import TracebackType
 from typing import Final
 
 import pyopencl as cl
 
 from ..errors import DeviceError, DeviceMemoryError
 from .info import DeviceInfo, find_device, listing
+from .kernel_cache import provide_kernel_cache
 
 PYOPENCL_VARIABLE: Final = "PYOPENCL_CTX"
+
+# a database in the user's home, which saves nothing that can be measured: where it is damaged or
+# cannot be written, no kernel launches
+cl._PYOPENCL_NO_CACHE = True
 
 _listing_process: int | None = None  # which process has listed devices
 
@@ -36,6 +41,7 @@ def require_own_process() -> None:
 def handles() -> list[cl.Device]:
     global _listing_process
     require_own_process()
+    provide_kernel_cache()
     _listing_process = os.getpid()
     try:
         platforms = cl.get_platforms()
@@ -89,13 +95,22 @@ def choose(name: str | None) -> cl.Device:
     return found[find_device(infos, name)]
 
 
-@contextmanager
-def named(*what: object) -> Iterator[None]:
+class named:
     """Turn the driver's errors inside the block into ours, which say `what` failed, as words."""
-    try:
-        yield
-    except cl.Error as error:
-        name = " ".join(map(str, what))
-        if isinstance(error, cl.MemoryError):
-            raise DeviceMemoryError(f"{name}: the device is out of memory ({error})") from None
-        raise DeviceError(f"{name}: {error}") from None
+
+    __slots__ = ("_what",)
+
+    def __init__(self, *what: object) -> None:
+        self._what = what
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(
+        self, kind: object, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        if isinstance(error, cl.Error):
+            name = " ".join(map(str, self._what))
+            if isinstance(error, cl.MemoryError):
+                raise DeviceMemoryError(f"{name}: the device is out of memory ({error})") from None
+            raise DeviceError(f"{name}: {error}") from None

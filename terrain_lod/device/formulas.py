@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
-from math import isfinite
 from pathlib import Path
 
 import numpy as np
 
+from ..arguments import array, file_path, finite, told
 from ..errors import FileError, InputError
 from .device import Device, DeviceArray
 from .sources import KERNELS, Define
@@ -39,12 +40,15 @@ def formula_defines(
     if odd := [name for name in names if not (name.isidentifier() and name.isascii())]:
         raise InputError(f"expected names of letters, digits and _ for numbers, got {odd[0]!r}")
     if isinstance(header, Path):
+        header = file_path("header", header)
         if not header.is_file():
             raise FileError(f"expected a header at {header}, got no such file")
         return {word: header, **names}
     known = isinstance(header, str) and not Path(header).is_absolute()
-    if not known or not (KERNELS / header).is_file():
-        raise InputError(f"expected a header of kernels/ or a pathlib.Path to one, got {header!r}")
+    if not known or not os.path.isfile(str(KERNELS / header)):
+        raise InputError(
+            f"expected a header of kernels/ or a pathlib.Path to one, got {told(header)}"
+        )
     return {word: f'"{header}"', **names}
 
 
@@ -56,7 +60,5 @@ def formula_numbers(device: Device, parameters: Mapping[str, float]) -> DeviceAr
     InputError
         If one is not a finite number.
     """
-    for name, value in parameters.items():
-        if isinstance(value, str) or value is None or not isfinite(value):
-            raise InputError(f"expected a finite number for {name} in parameters(), got {value!r}")
-    return device.array(np.array(list(parameters.values()) or [0.0], np.float32))
+    numbers = [finite(f"{name} in parameters()", value) for name, value in parameters.items()]
+    return device.array(array("parameters()", numbers or [0.0], ("N",), np.float32))

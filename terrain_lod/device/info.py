@@ -77,7 +77,7 @@ def listing(infos: Sequence[DeviceInfo]) -> str:
     return "; ".join(f"{number}: {info}" for number, info in enumerate(infos))
 
 
-def require_memory(info: DeviceInfo, allocated: int, what: str, nbytes: Sequence[int]) -> None:
+def require_memory(info: DeviceInfo, allocated: int, what: object, nbytes: Sequence[int]) -> None:
     """Refuse allocations of `nbytes` each where `allocated` bytes are taken already.
 
     Raises

@@ -16,7 +16,8 @@ FIXED_ONE: Final = 1 << FIXED_BITS
 
 # largest tile in cells: fractional_odd has no more than 63 segments along an edge
 MAX_TILE: Final = 63
-DEFAULT_TILE: Final = 15
+DEFAULT_TILE: Final = 4  # of a quadtree: docs/promises.md has the figures
+FLAT_TILE: Final = 15  # of a flat grid: 16 x 16 samples, the work-group of the book
 
 MAX_LEVELS: Final = 16  # of a quadtree
 

@@ -49,7 +49,7 @@ class Parameter:
     type_name: str
     is_local: bool
 
-    @property
+    @cached_property
     def is_pointer(self) -> bool:
         return self.type_name.endswith("*")
 
@@ -67,6 +67,14 @@ class Parameter:
             )
         return np.dtype(scalar)
 
+    @cached_property
+    def _whole(self) -> range:
+        """The whole numbers that fit it as they are."""
+        if self.dtype.kind not in "iu":
+            return range(-(2**24), 2**24 + 1)
+        limits = np.iinfo(self.dtype)
+        return range(int(limits.min), int(limits.max) + 1)
+
     def scalar(self, value: object) -> np.generic | np.ndarray[Any, Any]:
         """Return `value` as the kernel's own scalar or struct.
 
@@ -75,6 +83,9 @@ class Parameter:
         DeviceError
             If it is no such thing, or would not fit: nothing wraps, nothing is cut off.
         """
+        if type(value) is int and not self.dtype.names and value in self._whole:
+            whole: np.generic = self.dtype.type(value)
+            return whole
         if self.dtype.names:
             if not isinstance(value, np.void | np.ndarray):
                 raise self.refusal(value)

@@ -8,6 +8,7 @@ from .device import DeviceArray
 
 _BLOCK: Final = 4096  # counts that a work-group adds up
 _GROUP: Final = 256  # its work-items, on a GPU
+_SHORT: Final = 4 * _BLOCK  # so few are added up by one work-group, in one launch
 
 
 def exclusive_scan(counts: DeviceArray) -> tuple[DeviceArray, int]:
@@ -27,6 +28,11 @@ def exclusive_scan(counts: DeviceArray) -> tuple[DeviceArray, int]:
     """
     device, count = counts.device, counts.size
     group = device.group_size(_GROUP)
+    if 0 < count <= _SHORT:
+        offsets, total = device.empty(count + 1, "uint32"), device.empty(1, "uint64")
+        scan_one = device.kernel("common/scan.cl", "scan_one", BLOCK=_BLOCK, GROUP=group)
+        scan_one((group,), (group,), count=count, counts=counts, total=total, offsets=offsets)
+        return offsets, int(total.host()[0])
     blocks = -(-count // _BLOCK)
     items = blocks * group
     # with no block at all, zero is the only offset

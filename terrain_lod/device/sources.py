@@ -11,6 +11,7 @@ itself, then in ``kernels/``; the files of ``kernels/`` never find theirs.
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Mapping
 from importlib.resources import files
@@ -122,7 +123,7 @@ class _Headers:
         if Path(file).is_absolute():
             return _read_from_elsewhere(file)
         path = KERNELS / file
-        if not path.is_file():
+        if not os.path.isfile(str(path)):  # a name may be too long
             beside = "" if not Path(asker).is_absolute() else ", nor one beside it"
             raise DeviceError(f"{asker} wants kernels/{file}: there is no such file{beside}")
         return path.read_text(encoding="utf-8")

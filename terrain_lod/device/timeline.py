@@ -19,6 +19,11 @@ class Timeline:
         self._events.append((stage, event))
 
     @property
+    def launches(self) -> int:
+        """How many there were."""
+        return len(self._events)
+
+    @property
     def seconds(self) -> dict[str, float]:
         """Sum of kernel times a stage, in order of first launch; waits for them to end."""
         total: dict[str, float] = {}

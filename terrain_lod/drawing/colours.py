@@ -21,6 +21,8 @@ Stops = tuple[tuple[float, float, float, float], ...]
 
 # Detail of a patch, 0 the lowest of its LOD and 1 the highest: the code of figures 9.11 and 9.22,
 # black, blue, green, red, with the yellow and orange between its last two.
+# cells of a segment that are shown as black
+LONGEST: Final = 64.0
 LOD_STOPS: Final[Stops] = (
     (0.00, 0.00, 0.00, 0.00),
     (0.25, 0.08, 0.22, 0.90),
@@ -79,6 +81,12 @@ def lod_colours(factors: npt.ArrayLike, factor_range: tuple[float, float]) -> Co
     """
     low, high = factor_range
     return ramp(LOD_STOPS, (np.asarray(factors, np.float32) - low) / (high - low))
+
+
+def segment_colours(cells: npt.ArrayLike) -> Colours:
+    """Return the colour of segments that span so many cells (P,): red one, black the longest."""
+    octaves = np.log2(np.maximum(np.asarray(cells, np.float32), 1e-3))
+    return ramp(LOD_STOPS, 1.0 - octaves / np.log2(LONGEST))
 
 
 def hypsometric(

@@ -52,7 +52,7 @@ def render_path(
     lods: Sequence[AnyLod],
     look: Look = Look(),
     edge_rule: str | None = None,
-    partitioning: str = "fractional_odd",
+    partitioning: str | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[Path, ...]:
     """Write a picture a camera, named 0000.png and on.

@@ -12,12 +12,7 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image
 
-from .colours import (
-    hypsometric,
-    lit,
-    sun_direction,
-    to_bytes,
-)
+from .colours import hypsometric, lit, sun_direction, to_bytes
 
 _SIDE: Final = 160  # pixels of a picture's longer side, at most
 _SUN: Final = (315.0, 45.0)  # azimuth and elevation, degrees

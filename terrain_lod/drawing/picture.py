@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image
 
-from ..arguments import finite, one_of
+from ..arguments import file_path, flag, numbers, one_of
 from ..camera.camera import Camera
 from ..errors import InputError
 from ..mesh.mesh import Mesh
@@ -25,6 +25,7 @@ from .colours import (
     lit,
     lod_colours,
     mixed,
+    segment_colours,
     sun_direction,
     to_bytes,
 )
@@ -68,34 +69,13 @@ def draw(
     drape: Drape | None = None,
     wireframe: bool = False,
 ) -> Picture:
-    """Draw `mesh` as `camera` sees it; its other arguments are those of :func:`render`.
+    """Draw `mesh` as `camera` sees it, perhaps with a picture in place of the tints.
 
-    Parameters
-    ----------
-    mesh : Mesh
-    camera : Camera
-        Its size is the picture's.
-    style : {"shaded", "plain", "wireframe", "lod"}, optional
-    sun, height_range, factor_range : (float, float), optional
-    drape : Drape, optional
-        A picture in place of the tints, for style "shaded".
-    wireframe : bool, optional
-
-    Returns
-    -------
-    (H, W, 3) uint8
-        Red, green, blue; row 0 at the top.
-
-    Raises
-    ------
-    GraphicsError
-        If this machine cannot draw; the message names the command that mends it.
-    InputError
-        If the style is unknown, a range falls, or the picture is larger than drivers allow.
+    All else is as for :func:`render`, what it raises as well.
     """
     if max(camera.size) > _LARGEST_WINDOW:
         raise InputError(f"expected a size of at most {_LARGEST_WINDOW} pixels, got {camera.size}")
-    direction = sun_direction(finite("sun azimuth", sun[0]), finite("sun elevation", sun[1]))
+    direction = sun_direction(*numbers("sun", sun, "azimuth", "elevation"))
     if one_of("style", style, STYLES) != "shaded" and drape is not None:
         raise InputError(f"expected style 'shaded' with a texture, got {style!r}")
     if drape is not None:
@@ -110,7 +90,7 @@ def draw(
     else:
         colours = np.broadcast_to(np.asarray(_PAPER, np.float32), mesh.vertices.shape)
     require_graphics()
-    lines = wireframe or style == "wireframe"
+    lines = flag("wireframe", wireframe) or style == "wireframe"
     return _draw(mesh, camera, to_bytes(colours), style, drape, lines)
 
 
@@ -140,9 +120,10 @@ def require_png(path: str | Path) -> None:
     FileError
         If its folder does not exist or cannot be written.
     """
-    if Path(path).suffix.lower() != ".png":
-        raise InputError(f"expected a name that ends in .png for a picture, got {Path(path).name}")
-    require_folder(Path(path))
+    path = file_path("path", path)
+    if path.suffix.lower() != ".png":
+        raise InputError(f"expected a name that ends in .png for a picture, got {path.name}")
+    require_folder(path)
 
 
 # colours
@@ -158,9 +139,9 @@ def _shaded(
     heights = mesh.vertices[:, 2] + np.float32(mesh.origin[2])
     if height_range is None:
         height_range = (float(heights.min()), float(heights.max())) if len(heights) else (0.0, 1.0)
-    low, high = (finite("height_range", bound) for bound in height_range)
+    low, high = numbers("height_range", height_range, "low", "high")
     if low > high:
-        raise InputError(f"expected a height_range that rises, got {height_range}")
+        raise InputError(f"expected a height_range that rises, got {(low, high)}")
     colours = lit(hypsometric(heights, mesh.normals, (low, high)), mesh.normals, sun)
     # at the mesh's own length away, a quarter of what is seen is air
     away = np.linalg.norm(mesh.vertices - np.subtract(camera.eye, mesh.origin), axis=1)
@@ -171,14 +152,16 @@ def _shaded(
 def _by_factors(
     mesh: Mesh, sun: npt.NDArray[np.float32], factor_range: tuple[float, float] | None
 ) -> Colours:
-    """Return the colour of each triangle: its patch's factors, with enough light to see relief."""
+    """Return the colour of each triangle: its patch's detail, with enough light to see relief."""
     if mesh.patches is None:
         raise InputError("expected a mesh with patches for style 'lod', got one without")
     if factor_range is None:
-        factor_range = (1.0, max(2.0, float(mesh.patches.tile)))
-    if not finite("factor_range", factor_range[0]) < finite("factor_range", factor_range[1]):
-        raise InputError(f"expected a factor_range that rises, got {factor_range}")
-    colours = lod_colours(mesh.patches.inside_factors.mean(axis=1), factor_range)
+        colours = segment_colours(mesh.patches.segment_cells)
+    else:
+        least, most = numbers("factor_range", factor_range, "least", "most")
+        if least >= most:
+            raise InputError(f"expected a factor_range that rises, got {(least, most)}")
+        colours = lod_colours(mesh.patches.inside_factors.mean(axis=1), (least, most))
     a, b, c = (mesh.vertices[mesh.triangles[:, corner]] for corner in range(3))
     across = np.cross(b - a, c - a)
     across /= np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-30)

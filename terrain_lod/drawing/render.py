@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..arguments import one_of
+from ..arguments import file_path, instance, one_of
 from ..camera.camera import Camera
 from ..camera.viewpoint import camera_around, default_camera
 from ..device.device import Device
 from ..errors import InputError
 from ..ground.heightmap import Heightmap
 from ..mesh.mesh import Mesh
+from ..streaming.terrain import StreamingTerrain
 from ..terrain.lod import Lod, PromiseLod, Weighted
 from ..terrain.terrain import Terrain
 from .drape import Drape
@@ -48,9 +49,9 @@ def render(
     style : str, optional
         ``"shaded"``: sunlit ground, tinted by height, with haze. ``"plain"``: sunlit, all of one
         colour, for what is no ground. ``"wireframe"``: its triangles, hidden ones left out.
-        ``"lod"``: a colour a patch, by its inside factors: red the most of `factor_range`, then
-        yellow, green and blue, black the least. Default: shaded, or plain for a mesh that no
-        terrain made.
+        ``"lod"``: a colour a patch, by the cells that its segments span: red one, then yellow,
+        green and blue, black 64 or more; with `factor_range` by its inside factors, red the most.
+        Default: shaded, or plain for a mesh that no terrain made.
     sun : (float, float), optional
         Where the light comes from: degrees clockwise from north, degrees above the horizon.
         Default: 315, 40, as maps are lit; 200, 40, over the shoulder, for a mesh that no terrain
@@ -63,7 +64,7 @@ def render(
         World heights of the lowest and the highest tint. Default: those of the ground, or of the
         mesh. Give the ground's to compare pictures of several meshes.
     factor_range : (float, float), optional
-        Factors shown as black and as red. Default: 1 and the cells of a tile.
+        Factors shown as black and as red, in style "lod".
     device : Device, optional
         For ground; a terrain has its own.
 
@@ -88,21 +89,26 @@ def render(
     --------
     >>> picture = render(tl.sample("ridge"), "ridge.png", style="lod")      # doctest: +SKIP
     """
-    if not isinstance(what, Heightmap | Terrain | Mesh):
-        raise InputError(f"expected ground, a terrain or a mesh, got {type(what).__name__}")
+    instance("ground, a terrain or a mesh", what, Heightmap | Terrain | StreamingTerrain | Mesh)
     _refuse(what, lod=lod, texture=texture, device=device)
     if style is not None:
         one_of("style", style, STYLES)
+    if camera is not None:
+        instance("a Camera for camera", camera, Camera)
     if path is not None:
         require_png(path)
     require_graphics()
     if isinstance(what, Heightmap):
         what = Terrain(what, device=device)
     drape = None
-    if isinstance(what, Terrain):
+    if isinstance(what, StreamingTerrain):
+        height_range = height_range or what.height_range
+        camera = camera or default_camera(what.overview)
+        what = what.mesh(camera, lod=lod)
+    elif isinstance(what, Terrain):
         ground = what.ground
-        drape = None if texture is None else Drape.load(Path(texture), ground)
-        height_range = height_range or ground.height_range
+        drape = None if texture is None else Drape.load(file_path("texture", texture), ground)
+        height_range = ground.height_range if height_range is None else height_range
         camera = camera or default_camera(ground)
         what = what.mesh(camera, lod=lod)
     elif camera is None:
@@ -112,7 +118,7 @@ def render(
         what,
         camera,
         style=style or ("shaded" if is_ground else "plain"),
-        sun=sun or (SUN if is_ground else SUN_ON_MESHES),
+        sun=(SUN if is_ground else SUN_ON_MESHES) if sun is None else sun,
         height_range=height_range,
         factor_range=factor_range,
         drape=drape,
@@ -123,11 +129,15 @@ def render(
     return picture
 
 
-def _refuse(what: Heightmap | Terrain | Mesh, **options: object) -> None:
+def _refuse(what: Heightmap | Terrain | StreamingTerrain | Mesh, **options: object) -> None:
     """Say which of the options that are given is not for `what`."""
     if isinstance(what, Heightmap):
         return
-    foreign = ("device",) if isinstance(what, Terrain) else ("lod", "texture", "device")
+    foreign: tuple[str, ...] = ("lod", "texture", "device")
+    if isinstance(what, Terrain):
+        foreign = ("device",)
+    elif isinstance(what, StreamingTerrain):
+        foreign = ("texture", "device")
     for name in foreign:
         if options[name] is not None:
             raise InputError(f"expected ground with {name}=, got {what!r}")

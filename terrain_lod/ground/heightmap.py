@@ -7,7 +7,6 @@ Row 0 is the northernmost row: sample ``[row, column]`` stands at
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from copy import copy
 from dataclasses import dataclass
 from operator import index
@@ -16,12 +15,16 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from ..arguments import finite, positive
+from ..arguments import array, finite, instance, numbers, parts, steps, text, told
 from ..errors import InputError
 from .detail import between, reached, repeated, require_float32, steps_between
 from .units import symbol
 
+_UNITS: Final = ("unit of x and y", "unit of heights")
 _LARGEST: Final = float(np.finfo(np.float32).max)
+# between samples: positions, and areas of cells, have to stay numbers that float32 holds
+_FINEST: Final = 1e-18
+_COARSEST: Final = 1e18
 
 
 @dataclass(frozen=True, init=False, eq=False)
@@ -66,7 +69,7 @@ class Heightmap:
     ------
     InputError
         If the array is not two-dimensional with at least 2 x 2 samples, is not real, holds
-        infinities or no data at all, or if spacing is not positive.
+        infinities or no data at all, or if spacing is not positive, or beyond 1e-18 to 1e+18.
 
     Examples
     --------
@@ -99,12 +102,14 @@ class Heightmap:
         stored, shift = _to_float32(values, hole)
         self._set("heights", _frozen(stored))
         self._set("mask", _frozen(hole) if hole.any() else None)
-        self._set("spacing", tuple(positive("spacing", step) for step in _pair("spacing", spacing)))
-        self._set("origin", tuple(finite("origin", value) for value in _pair("origin", origin)))
+        self._set("spacing", tuple(map(_spacing, steps("spacing", spacing))))
+        self._set("origin", numbers("origin", origin, "x", "y"))
         self._set("base", finite("base", base) + shift)
-        self._set("crs", crs)
-        self._set("units", _names("units", units))
-        self._set("name", name)
+        if max(map(abs, self.height_range)) > _LARGEST:
+            raise InputError(f"expected elevations that float32 can hold, got a base of {base:g}")
+        self._set("crs", None if crs is None else text("crs", crs))
+        self._set("units", tuple(text("units", unit) for unit in parts("units", units, *_UNITS)))
+        self._set("name", text("name", name))
 
     def _set(self, field: str, value: object) -> None:
         object.__setattr__(self, field, value)
@@ -130,9 +135,8 @@ class Heightmap:
         """
         part = _within("rows", rows, self.shape[0]), _within("columns", columns, self.shape[1])
         shape = tuple(piece.stop - piece.start for piece in part)
-        values, hole = _real(elevations), _masked(elevations)
-        if values.shape != shape:
-            raise InputError(f"expected heights of shape {shape}, got {values.shape}")
+        values = array("heights", elevations, shape, None, is_finite=False)
+        hole = _masked(elevations)
         _add_nan(hole, values)
         relative = np.where(hole, 0.0, np.subtract(values, self.base, dtype=np.float64))
         if np.abs(relative).max() > _LARGEST:
@@ -192,6 +196,12 @@ class Heightmap:
             name=self.name,
         )
 
+    def with_crs(self, crs: str) -> Heightmap:
+        """Return this ground with another name for where its x and y are."""
+        new = copy(self)
+        new._set("crs", crs)
+        return new
+
     def steps_of(self, detail: Heightmap) -> tuple[int, int]:
         """Return the samples of `detail` a cell of this ground, along x and y.
 
@@ -200,8 +210,7 @@ class Heightmap:
         InputError
             If it does not fit this ground, as :meth:`with_detail` describes.
         """
-        if not isinstance(detail, Heightmap):
-            raise InputError(f"expected detail as a Heightmap, got {type(detail).__name__}")
+        instance("a Heightmap for detail", detail, Heightmap)
         if detail.mask is not None:
             raise InputError(
                 f"expected detail with data everywhere, got {int(detail.mask.sum())} of "
@@ -287,24 +296,6 @@ class Heightmap:
         )
 
 
-def _pair(name: str, value: object) -> tuple[object, object]:
-    """Return two values; a single number stands for both."""
-    if not isinstance(value, Iterable):
-        return value, value
-    pair = tuple(value)
-    if len(pair) != 2:
-        raise InputError(f"expected one or two numbers for {name}, got {len(pair)}")
-    return pair[0], pair[1]
-
-
-def _names(name: str, value: object) -> tuple[str, str]:
-    """Return two strings."""
-    pair = tuple(value) if isinstance(value, Iterable) and not isinstance(value, str) else ()
-    if len(pair) != 2 or not all(isinstance(part, str) for part in pair):
-        raise InputError(f"expected {name} as two strings, across and up, got {value!r}")
-    return pair[0], pair[1]
-
-
 def _frozen(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
     array.setflags(write=False)
     return array
@@ -314,26 +305,16 @@ def _heights_and_holes(
     heights: npt.ArrayLike, mask: npt.ArrayLike | None
 ) -> tuple[npt.NDArray[Any], npt.NDArray[np.bool_]]:
     """Return the plain array and where it has no data, or say what is wrong with it."""
-    values = _real(heights)
-    if values.ndim != 2 or min(values.shape) < 2:
+    values = array("heights", heights, ("R", "C"), None, is_finite=False)
+    if min(values.shape) < 2:
         raise InputError(f"expected heights of at least 2 x 2 samples, got shape {values.shape}")
     hole = _masked(heights)
     if mask is not None:
-        extra = np.asarray(mask, bool)
-        if extra.shape != values.shape:
-            raise InputError(f"expected a mask of shape {values.shape}, got {extra.shape}")
-        hole |= extra
+        hole |= array("mask", mask, values.shape, bool)
     _add_nan(hole, values)
     if hole.all():
         raise InputError("expected heights, got no data at all (every sample is NaN or masked)")
     return values, hole
-
-
-def _real(heights: npt.ArrayLike) -> npt.NDArray[Any]:
-    values = np.asarray(np.ma.getdata(heights))
-    if values.dtype.kind not in "biuf":
-        raise InputError(f"expected real heights, got an array of {values.dtype}")
-    return values
 
 
 def _masked(heights: npt.ArrayLike) -> npt.NDArray[np.bool_]:
@@ -356,13 +337,24 @@ def _add_nan(hole: npt.NDArray[np.bool_], values: npt.NDArray[Any]) -> None:
 
 def _within(name: str, part: slice, extent: int) -> slice:
     """Return `part` with start and stop filled in, or say what is wrong with it."""
-    if not isinstance(part, slice):
-        raise InputError(f"expected {name} as a slice, got {part!r}")
-    start = 0 if part.start is None else part.start
-    stop = extent if part.stop is None else part.stop
-    if part.step not in (None, 1) or not 0 <= index(start) < index(stop) <= extent:
-        raise InputError(f"expected {name} within slice(0, {extent}), got {part}")
-    return slice(index(start), index(stop))
+    instance(f"a slice for {name}", part, slice)
+    given = (part.start, 0), (part.stop, extent), (part.step, 1)
+    try:
+        start, stop, step = (usual if end is None else index(end) for end, usual in given)
+    except TypeError:  # no whole numbers
+        start = stop = step = 0
+    if step != 1 or not 0 <= start < stop <= extent:
+        raise InputError(f"expected {name} within slice(0, {extent}), got {told(part)}")
+    return slice(start, stop)
+
+
+def _spacing(step: float) -> float:
+    """Return a distance between samples, or say that float32 cannot hold what comes of it."""
+    if not _FINEST <= step <= _COARSEST:
+        raise InputError(
+            f"expected spacing from {_FINEST:g} to {_COARSEST:g}, got {step:g}: is it right?"
+        )
+    return step
 
 
 def _to_float32(
@@ -371,7 +363,7 @@ def _to_float32(
     """Return heights in float32 and what was taken off them so that they lose the least."""
     known = values[~hole] if hole.any() else values
     low, high = float(known.min()), float(known.max())
-    if max(-low, high) > _LARGEST:
+    if max(-low, high, high - low) > _LARGEST:
         raise InputError(f"expected heights that float32 can hold, got {low:g} to {high:g}")
     exact = values.dtype.itemsize < 4 or values.dtype == np.float32
     if not exact:

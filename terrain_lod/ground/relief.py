@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from ..arguments import instance
 from .heightmap import Heightmap
 
 
@@ -33,6 +34,7 @@ class Relief:
     steps: tuple[int, int] = field(init=False, default=(1, 1))
 
     def __post_init__(self) -> None:
+        instance("a Heightmap for ground", self.ground, Heightmap)
         if self.detail is not None:
             object.__setattr__(self, "steps", self.ground.steps_of(self.detail))
 

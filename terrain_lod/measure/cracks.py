@@ -21,9 +21,10 @@ from typing import Final, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from ..arguments import flag
 from ..mesh.mesh import Mesh
 from ..mesh.open_edges import Indices, topology, weld
-from ..mesh.soundness import require_sound
+from ..mesh.soundness import sound_mesh
 from .opposed_edges import ROUNDING, Pieces, opposed_pieces
 
 # a heightfield's triangles face one way, but for this part of their area
@@ -138,7 +139,7 @@ def crack_report(mesh: Mesh, *, closed: bool = False) -> CrackReport:
     >>> if report := crack_report(mesh):                        # doctest: +SKIP
     ...     print(report)
     """
-    require_sound(mesh.vertices, mesh.triangles)
+    mesh, closed = sound_mesh(mesh), flag("closed", closed)
     numbers = weld(mesh.vertices)
     points = np.empty((int(numbers.max(initial=-1)) + 1, 3))
     points[numbers] = mesh.vertices
@@ -174,8 +175,9 @@ def _facing(points: Array, triangles: Indices, *, known: bool) -> tuple[bool, in
     if not known and min(up, down) >= _FOLDED_PART * (up + down):
         return False, 0
     # an area that comes from the corners' rounding says nothing
-    extent = np.abs(across, out=across).max(axis=0, initial=0.0)
-    noise = ROUNDING * np.abs(points[:, :2]).max(initial=0.0) * extent
+    extent = np.abs(across, out=across).reshape(2, 2, -1).max(axis=1, initial=0.0)
+    largest = np.abs(points[:, :2]).max(axis=0, initial=0.0)
+    noise = ROUNDING * np.maximum(largest[0] * extent[1], largest[1] * extent[0])
     return True, int(np.count_nonzero(area < -noise if up >= down else area > noise))
 
 

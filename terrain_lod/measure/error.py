@@ -9,10 +9,11 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
+from ..arguments import flag, instance
 from ..device.device import Device, DeviceArray, Kernel
 from ..ground.heightmap import Heightmap
 from ..mesh.mesh import Mesh
-from ..mesh.soundness import require_sound
+from ..mesh.soundness import sound_mesh
 from ..reference.measure.error import NEAR, SINGLE
 from ..reference.measure.error import error_field as reference_field
 
@@ -100,14 +101,14 @@ def vertical_error(
     number, which is what float32 tells apart, are that number; a crossing of an edge with a row
     within 2^-26 cells. A device without 64-bit floats leaves the work to NumPy.
     """
-    require_sound(mesh.vertices, mesh.triangles)
-    device = device or Device.open()
+    mesh, ground = sound_mesh(mesh), instance("a Heightmap for ground", ground, Heightmap)
+    keep, device = flag("field", field), Device.of(device)
     if device.has_doubles:
         errors = _field_on_device(mesh, ground, device).host()
     else:
         _log.info("%s has no 64-bit floats: measuring with NumPy", device.info.name)
         errors = reference_field(mesh, ground).astype(np.float32)
-    return _summary(errors, ground, keep=field)
+    return _summary(errors, ground, keep=keep)
 
 
 def _summary(errors: npt.NDArray[np.float32], ground: Heightmap, *, keep: bool) -> VerticalError:
@@ -136,9 +137,7 @@ def _summary(errors: npt.NDArray[np.float32], ground: Heightmap, *, keep: bool) 
 
 def _field_on_device(mesh: Mesh, ground: Heightmap, device: Device) -> DeviceArray:
     """Upload mesh and ground and return the (R, C) float32 field, mesh minus ground."""
-    vertices = np.ascontiguousarray(mesh.vertices, np.float32)
-    triangles = np.ascontiguousarray(mesh.triangles, np.int32)
-    heights = ground.heights
+    vertices, triangles, heights = mesh.vertices, mesh.triangles, ground.heights
     if ground.mask is not None:
         heights = np.where(ground.mask, np.float32(np.nan), heights)
     device.require(

@@ -27,6 +27,8 @@ from ..mesh.open_edges import Indices, weld
 REACH: Final = 0.25
 # coordinates are known to this part of the largest
 ROUNDING: Final = 2.0**-22
+# edges seen from above that are so much longer along one axis are measured in its own unit
+_OBLONG: Final = 16.0
 
 Array = npt.NDArray[np.float64]
 
@@ -81,8 +83,9 @@ def opposed_pieces(starts: Array, ends: Array, apexes: Array, *, from_above: boo
     if not count:
         none = np.zeros(0, np.int64)
         return Pieces(none, np.zeros(0), none, np.zeros((0, 3)), 0)
-    axes = slice(2) if from_above else slice(3)
-    ground_plan = _Plan.of(starts[:, axes], ends[:, axes], apexes[:, axes])
+    seen = [array[:, :2] * _units(starts, ends) if from_above else array
+            for array in (starts, ends, apexes)]  # fmt: skip
+    ground_plan = _Plan.of(*seen)
     cut_edge, cut_node, cut_at = ground_plan.cuts()
 
     # stops along each edge: its start, the cuts, its end
@@ -107,6 +110,17 @@ def opposed_pieces(starts: Array, ends: Array, apexes: Array, *, from_above: boo
     wider = begin + np.argmax(gaps, axis=0)
     t_junctions = int(np.count_nonzero(is_cut[np.unique([begin, begin + 1])]))
     return Pieces(edge[begin], gaps.max(axis=0), node[wider], stop[wider], t_junctions)
+
+
+def _units(starts: Array, ends: Array) -> Array:
+    """Return powers of two that bring edges along x and y to like lengths, where they differ much.
+
+    Else what rounding leaves of the one would be as long as the other.
+    """
+    longest = abs(ends - starts)[:, :2].max(axis=0)
+    if not longest.all() or longest.max() <= _OBLONG * longest.min():
+        return np.ones(2)
+    return np.asarray(2.0 ** -np.round(np.log2(longest)))
 
 
 def _partners(first: Indices, last: Indices) -> Indices:

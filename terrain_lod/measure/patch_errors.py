@@ -7,6 +7,7 @@ import warnings
 import numpy as np
 import numpy.typing as npt
 
+from ..arguments import instance
 from ..device.device import Device
 from ..errors import InputError
 from ..ground.grid import TileGrid
@@ -47,6 +48,7 @@ def patch_errors(
     >>> errors = patch_errors(mesh, ground)                         # doctest: +SKIP
     >>> surface["error"] = errors[surface["patch"]]                 # doctest: +SKIP
     """
+    instance("a Mesh", mesh, Mesh), instance("a Heightmap for ground", ground, Heightmap)
     if mesh.patches is None:
         raise InputError("expected a mesh of a terrain, got one without patches")
     grid = mesh.patches.grid

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from ..arguments import instance, list_of
 from ..camera.camera import Camera
 from ..device.device import Device
 from ..errors import InputError
@@ -73,6 +74,7 @@ def screen_error(
     -------
     ScreenError
     """
+    instance("a Camera for camera", camera, Camera)
     return seen_error(_error_field(mesh, ground, device), ground, camera)
 
 
@@ -148,6 +150,7 @@ def pop_metric(
     InputError
         If there are fewer than two cameras, or not as many meshes.
     """
+    meshes, cameras = list_of("meshes", meshes, Mesh), list_of("cameras", cameras, Camera)
     if len(cameras) < 2 or len(meshes) != len(cameras):
         raise InputError(
             f"expected a mesh for each of two cameras or more, got {len(meshes)} and {len(cameras)}"
@@ -215,6 +218,7 @@ def silhouette_error(
     maximum, rms : float
         Over the columns that have a skyline.
     """
+    instance("a Camera for camera", camera, Camera)
     errors = _error_field(mesh, ground, device)
     rows, columns = np.nonzero(~np.isnan(errors))
     points = _samples(ground, rows, columns)

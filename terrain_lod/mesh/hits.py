@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
+from ..arguments import array
 from ..errors import InputError
 
 Array = npt.NDArray[np.float64]
@@ -74,15 +76,7 @@ def checked_rays(origins: npt.ArrayLike, directions: npt.ArrayLike) -> tuple[Arr
 
 
 def _finite(name: str, values: npt.ArrayLike, width: int) -> Array:
-    try:
-        array = np.asarray(values, np.float64)
-    except (TypeError, ValueError):
-        raise InputError(f"expected {name} as numbers of shape (n, {width})") from None
-    array = np.ascontiguousarray(np.atleast_2d(array))
-    if array.ndim != 2 or array.shape[1] != width:
-        raise InputError(f"expected {name} of shape (n, {width}), got {np.shape(values)}")
-    finite = np.isfinite(array).all(axis=1)
-    if not finite.all():
-        index = int(np.argmin(finite))
-        raise InputError(f"expected finite {name}, got {array[index].tolist()} at {index}")
-    return array
+    with suppress(ValueError):  # rows of different lengths
+        if np.shape(values) == (width,):  # one that stands alone
+            values = np.asarray(values)[None]
+    return array(name, values, ("N", width))

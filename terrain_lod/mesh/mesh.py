@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from ..errors import InputError
+from ..arguments import array, finite, instance, text
 from ..ground.grid import TileGrid
 
 if TYPE_CHECKING:
@@ -58,6 +58,13 @@ class Patches:
     @property
     def count(self) -> int:
         return len(self.edge_factors)
+
+    @property
+    def segment_cells(self) -> npt.NDArray[np.float64]:
+        """Cells that a segment of a patch's inside spans: its size and its factors in one; (P,)."""
+        cells = self.areas[:, :1:-1] / np.maximum(self.inside_factors, 1.0)
+        lengths: npt.NDArray[np.float64] = np.sqrt(cells.prod(axis=1))
+        return lengths
 
     @property
     def drawn(self) -> npt.NDArray[np.bool_]:
@@ -117,7 +124,7 @@ class Mesh:
     Attributes
     ----------
     vertices : (V, 3) float32
-        Relative to `origin`; x east, y north, z up.
+        Relative to `origin`; x east, y north, z up. Arrays of other real dtypes are converted.
     normals : (V, 3) float32
         Unit length.
     triangles : (T, 3) int32
@@ -146,22 +153,23 @@ class Mesh:
     textures: npt.NDArray[np.float32] | None = None
 
     def __post_init__(self) -> None:
-        for name, array, width in (
-            ("vertices", self.vertices, 3),
-            ("normals", self.normals, 3),
-            ("triangles", self.triangles, 3),
-        ):
-            if array.ndim != 2 or array.shape[1] != width:
-                raise InputError(f"expected {name} of shape (n, {width}), got {array.shape}")
-        if len(self.normals) != len(self.vertices):
-            raise InputError(
-                f"expected a normal a vertex, got {len(self.normals)} for {len(self.vertices)}"
-            )
-        if self.textures is not None and self.textures.shape != (len(self.vertices), 2):
-            raise InputError(
-                f"expected texture coordinates of shape ({len(self.vertices)}, 2), one pair a "
-                f"vertex, got {self.textures.shape}"
-            )
+        self._keep("vertices", ("V", 3), np.float32)
+        self._keep("normals", (len(self.vertices), 3), np.float32)
+        self._keep("triangles", ("T", 3), np.int32)
+        self._keep("origin", (3,), np.float64)
+        if self.textures is not None:
+            self._keep("textures", (len(self.vertices), 2), np.float32)
+        if self.crs is not None:
+            text("crs", self.crs)
+        for stage, seconds in instance("a dict for timings", self.timings, dict).items():
+            finite(text("a stage of timings", stage), seconds)
+        instance("Patches or None for patches", self.patches, Patches | None)
+        instance("Achieved or None for achieved", self.achieved, Achieved | None)
+
+    def _keep(self, name: str, shape: tuple[int | str, ...], dtype: npt.DTypeLike) -> None:
+        """Keep a field as an array of real numbers; what is not finite is left to who uses it."""
+        made = array(name, getattr(self, name), shape, dtype, is_finite=False)
+        object.__setattr__(self, name, made)
 
     @property
     def triangle_patches(self) -> npt.NDArray[np.int32]:
@@ -173,6 +181,8 @@ class Mesh:
 
     def save(self, path: str | Path) -> Path:
         """Write the mesh to a file, whole or not at all; the ending chooses the format.
+
+        Of several that save to one name at once, the last is what stays.
 
         Parameters
         ----------
@@ -187,8 +197,8 @@ class Mesh:
         Raises
         ------
         InputError
-            If the ending is none of these, or if the mesh has no triangle, positions that are not
-            finite or corners that are no vertices.
+            If the ending is none of these, if the mesh has no triangle, positions that are not
+            finite or corners that are no vertices, or if it does not fit the format.
         FileError
             If the file cannot be written.
         """
@@ -241,7 +251,8 @@ class Mesh:
 
         table = {"triangles": f"{len(self.triangles):,}", "vertices": f"{len(self.vertices):,}"}
         if len(self.vertices):
-            size = np.ptp(self.vertices, axis=0)
+            with np.errstate(invalid="ignore"):  # of infinite ones
+                size = np.ptp(self.vertices, axis=0)
             table["size"] = " × ".join(f"{extent:,.4g}" for extent in size)
         table["origin"] = ", ".join(f"{value:,.10g}" for value in self.origin)
         if self.patches is not None:

@@ -10,14 +10,9 @@ import numpy.typing as npt
 from ..device import layout
 from ..device.device import Device, DeviceArray, Kernel
 from ..device.scan import exclusive_scan
-from .hits import (
-    Array,
-    Hits,
-    checked_points,
-    checked_rays,
-)
+from .hits import Array, Hits, checked_points, checked_rays
 from .mesh import Mesh
-from .soundness import require_sound
+from .soundness import sound_mesh
 
 _GROUP: Final = 64
 _TRIANGLES_A_BIN: Final = 2.0
@@ -51,12 +46,10 @@ class MeshQueries:
     """
 
     def __init__(self, mesh: Mesh, *, device: Device | None = None) -> None:
-        require_sound(mesh.vertices, mesh.triangles)
-        self.mesh = mesh
-        self.device = device or Device.open()
+        self.mesh = mesh = sound_mesh(mesh)
+        self.device = Device.of(device)
         self.device.require_doubles("queries")
-        vertices = np.ascontiguousarray(mesh.vertices, np.float32)
-        triangles = np.ascontiguousarray(mesh.triangles, np.int32)
+        vertices, triangles = mesh.vertices, mesh.triangles
         self._bins, self._low, self._high = _lattice(vertices, len(triangles))
         self.device.require(f"queries of {mesh!r}", vertices.nbytes, triangles.nbytes)
         self._vertices = self.device.array(vertices)

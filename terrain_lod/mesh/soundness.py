@@ -7,7 +7,22 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ..arguments import instance
 from ..errors import InputError
+from .mesh import Mesh
+
+
+def sound_mesh(mesh: object) -> Mesh:
+    """Return `mesh` if it is one, of finite positions and corners that are vertices.
+
+    Raises
+    ------
+    InputError
+        See :func:`require_sound`.
+    """
+    made = instance("a Mesh", mesh, Mesh)
+    require_sound(made.vertices, made.triangles)
+    return made
 
 
 def require_sound(

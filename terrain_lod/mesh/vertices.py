@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..device.device import DeviceArray
+import numpy as np
+
+from ..device.device import Device, DeviceArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,3 +22,9 @@ class DeviceVertices:
 
     positions: DeviceArray
     normals: DeviceArray
+
+    @classmethod
+    def empty(cls, device: Device, count: int) -> DeviceVertices:
+        """Return room for so many, or refuse it with the bytes wanted and had."""
+        device.require(f"{count} vertices", 12 * count, 12 * count)
+        return cls(*(device.empty((count, 3), np.float32) for _ in range(2)))

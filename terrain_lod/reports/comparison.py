@@ -17,7 +17,7 @@ from ..device.layout import MAX_TILE
 from ..errors import InputError
 from ..measure.error import VerticalError, vertical_error
 from ..mesh.mesh import Mesh
-from ..terrain.lod import AnyLod, Lod, Weighted
+from ..terrain.lod import AnyLod, Lod, PromiseLod, Weighted, unweighted
 from ..terrain.lod_formulas import DistanceLod
 from ..terrain.lods import name_of
 from ..terrain.terrain import Terrain
@@ -35,6 +35,8 @@ class Trial:
     Attributes
     ----------
     name : str
+    terrain : Terrain
+        What it was tried on.
     lod : Lod, PromiseLod or Weighted
     parameters : dict of str to float
         Of the level of detail, those included that it takes from the ground.
@@ -46,6 +48,7 @@ class Trial:
     """
 
     name: str
+    terrain: Terrain
     lod: AnyLod
     parameters: dict[str, float]
     mesh: Mesh
@@ -65,11 +68,12 @@ class Trial:
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """Three trials on one terrain at one camera.
+    """Three trials on one ground at one camera.
 
     Attributes
     ----------
     terrain : Terrain
+        That of distance LOD.
     camera : Camera
     edge_rule, partitioning : str
         Distance LOD's rule for shared edges, and how edges are divided.
@@ -103,45 +107,33 @@ def compare_pair(
     *,
     distance: DistanceLod,
     lod: AnyLod,
+    others: Terrain | None = None,
     edge_rule: str | None = None,
     partitioning: str = "fractional_odd",
     step: Callable[[], None] = lambda: None,
 ) -> Comparison:
     """Mesh and measure both levels of detail, and distance LOD at equal triangle counts.
 
-    Parameters
-    ----------
-    terrain : Terrain
-    camera : Camera
-    distance : DistanceLod
-    lod : Lod, PromiseLod or Weighted
-        What it is compared with.
-    edge_rule, partitioning : str, optional
-        As for :meth:`terrain_lod.Terrain.mesh`.
-    step : callable, optional
-        Called after each of the three trials.
-
-    Raises
-    ------
-    InputError
-        If `lod` is distance LOD itself, without weights.
+    Calls `step` after each of the three trials; the rest is as for :func:`terrain_lod.report`.
     """
     if isinstance(lod, DistanceLod):
         raise InputError("expected another level of detail than distance, which it is compared to")
     meshing: dict[str, Any] = {"edge_rule": edge_rule, "partitioning": partitioning}
 
-    def trial(name: str, lod: AnyLod) -> Trial:
-        runs = [terrain.mesh(camera, lod=lod, **meshing) for _ in range(_RUNS)]
+    def trial(name: str, terrain: Terrain, lod: AnyLod) -> Trial:
+        how = {} if isinstance(unweighted(lod), PromiseLod) else meshing
+        runs = [terrain.mesh(camera, lod=lod, **how) for _ in range(_RUNS)]
         error = vertical_error(runs[0], terrain.ground, field=True, device=terrain.device)
         # the first run of a promise measures the ladder as well
         stages = runs[-1].timings
         seconds = {stage: median(run.timings[stage] for run in runs) for stage in stages}
         step()
-        return Trial(name, lod, _parameters(lod, terrain), runs[0], error, seconds)
+        return Trial(name, terrain, lod, _parameters(lod, terrain), runs[0], error, seconds)
 
-    by_distance, by_other = trial("distance", distance), trial(name_of(lod), lod)
+    by_distance = trial("distance", terrain, distance)
+    by_other = trial(name_of(lod), others or terrain, lod)
     matched = with_triangles(terrain, camera, distance, by_other.triangles, **meshing)
-    equal = trial("distance_equal", matched)
+    equal = trial("distance_equal", terrain, matched)
     return Comparison(
         terrain, camera, edge_rule or "min", partitioning, by_distance, by_other, equal
     )
@@ -175,7 +167,8 @@ def with_triangles(
     low, high = lod.minimum, float(MAX_TILE)
     best, least = lod, float("inf")
     for _ in range(_BISECTIONS):
-        candidate = replace(lod, maximum=(low + high) / 2)
+        middle = (low + high) / 2
+        candidate = replace(lod, maximum=middle)
         mesh = terrain.mesh(camera, lod=candidate, edge_rule=edge_rule, partitioning=partitioning)
         count = len(mesh.triangles)
         excess = _excess(count, triangles)
@@ -183,7 +176,7 @@ def with_triangles(
             best, least = candidate, abs(excess)
         if least <= EQUAL_SHARE / 10:
             break
-        low, high = (low, candidate.maximum) if excess > 0 else (candidate.maximum, high)
+        low, high = (low, middle) if excess > 0 else (middle, high)
     return best
 
 

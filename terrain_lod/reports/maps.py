@@ -11,12 +11,7 @@ import numpy.typing as npt
 
 from ..camera.camera import Camera
 from ..device.layout import MAX_TILE
-from ..drawing.colours import (
-    LOD_STOPS,
-    hypsometric,
-    lit,
-    sun_direction,
-)
+from ..drawing.colours import LOD_STOPS, hypsometric, lit, sun_direction
 from ..ground.grid import TileGrid
 from ..ground.heightmap import Heightmap
 from ..paths import replacing
@@ -67,8 +62,9 @@ def factor_range(comparison: Comparison) -> tuple[float, float]:
     """Return the factors that the ramp runs between: what both levels of detail may give."""
     lods = (comparison.distance.lod, comparison.other.lod)
     low = min(float(getattr(unweighted(lod), "minimum", 1.0)) for lod in lods)
-    high = max(float(getattr(unweighted(lod), "maximum", MAX_TILE)) for lod in lods)
-    return low, max(min(high, comparison.terrain.grid.tile), low + 1)
+    high = max(float(getattr(unweighted(lod), "maximum", None) or MAX_TILE) for lod in lods)
+    tile = max(trial.terrain.grid.tile for trial in comparison.trials)
+    return low, max(min(high, tile), low + 1)
 
 
 @dataclass(frozen=True)
@@ -123,7 +119,7 @@ def _draw_maps(figure: Figure, sheet: _Sheet, comparison: Comparison) -> None:
     low, high = factor_range(comparison)
     look = {"cmap": lod_colour_map(), "vmin": low, "vmax": high}
     for ax, trial in zip(axes[1], (comparison.distance, comparison.other), strict=True):
-        factors = sheet.of_tiles(_inside_factors(trial), grid)
+        factors = sheet.of_tiles(_inside_factors(trial), trial.terrain.grid)
         _draw(ax, sheet, factors, _title(trial, "inside factor"), "segments", **look)
 
     # one scale for both; the worst percent is beyond it

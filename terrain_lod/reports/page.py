@@ -6,16 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from .comparison import EQUAL_SHARE, Comparison, Trial
-from .html import (
-    card,
-    definitions,
-    figure,
-    formatted,
-    paragraph,
-    row_of_figures,
-    section,
-    table,
-)
+from .html import card, definitions, figure, formatted, paragraph, row_of_figures, section, table
 from .maps import factor_range
 from .pictures import VISIBLE_DIFFERENCE, Difference
 from .tables import Row, rasterised_share
@@ -197,7 +188,6 @@ def _times(comparison: Comparison, rows: Sequence[Row]) -> str:
 
 def _settings(comparison: Comparison) -> str:
     terrain, camera = comparison.terrain, comparison.camera
-    tiles = " × ".join(map(str, terrain.grid.shape))
     unit = terrain.ground.unit_symbols[0]
     view = f"{camera.fov:g}°" if camera.height is None else f"{camera.height:g} {unit}, parallel,"
 
@@ -207,8 +197,7 @@ def _settings(comparison: Comparison) -> str:
     pairs = [
         ("Ground", repr(terrain.ground)),
         ("Coordinates", terrain.ground.crs or "not georeferenced"),
-        ("Tiles", f"{tiles} tiles of {terrain.grid.tile} cells, edge rule {comparison.edge_rule}"),
-        ("Partitioning", comparison.partitioning),
+        ("Edge rule, partitioning", f"{comparison.edge_rule}, {comparison.partitioning}"),
         ("Camera", f"eye {point(camera.eye)}, target {point(camera.target)}"),
         ("Picture", f"{view} high, {camera.size[0]} × {camera.size[1]} pixels"),
     ]
@@ -218,4 +207,6 @@ def _settings(comparison: Comparison) -> str:
 
 
 def _parameters(trial: Trial) -> str:
-    return ", ".join(f"{name} {value:.4g}" for name, value in trial.parameters.items())
+    grid = trial.terrain.grid
+    tiles = f"{' × '.join(map(str, grid.shape))} tiles of {grid.tile} cells"
+    return ", ".join([tiles, *(f"{name} {value:.4g}" for name, value in trial.parameters.items())])

@@ -7,15 +7,14 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Final
 
+from ..arguments import file_path, instance
 from ..camera.camera import Camera
 from ..camera.viewpoint import default_camera
 from ..device.device import Device
-from ..device.layout import DEFAULT_TILE
 from ..drawing.graphics import graphics_problem
-from ..errors import InputError
 from ..ground.heightmap import Heightmap
 from ..paths import require_made
-from ..terrain.lod import AnyLod, checked_lod, unweighted
+from ..terrain.lod import AnyLod, PromiseLod, checked_lod, unweighted
 from ..terrain.lod_formulas import CoplanarityLod, DistanceLod
 from ..terrain.terrain import Terrain
 from .comparison import Comparison, compare_pair
@@ -27,7 +26,7 @@ from .texts import Steps, csv_text, json_text, write_texts
 from .verdict import verdict
 
 # of the JSON file; raised when a key changes its meaning
-FORMAT: Final = 2
+FORMAT: Final = 3
 
 _STEPS: Final = 1 + 3 + COUNT + 1 + 1  # terrain, trials, pictures, maps, texts
 
@@ -61,7 +60,8 @@ def report(
     folder: str | Path,
     *,
     camera: Camera | None = None,
-    tile: int = DEFAULT_TILE,
+    tile: int | None = None,
+    levels: int | None = None,
     plane: str = "least_squares",
     lod: AnyLod | None = None,
     distance: DistanceLod | None = None,
@@ -83,14 +83,15 @@ def report(
         Made if it is not there.
     camera : Camera, optional
         Default: an oblique view over the ground.
-    tile, plane, device : optional
-        As for :class:`Terrain`.
+    tile, levels, plane, device : optional
+        As for :class:`Terrain`. Formulas are tried on its flat grid, which is the book's, unless
+        `levels` are given.
     lod : Lod, PromiseLod or Weighted, optional
         What distance LOD is compared with. Default: ``CoplanarityLod()``.
     distance : DistanceLod, optional
         Default: ``DistanceLod()``.
     edge_rule, partitioning : str, optional
-        As for :meth:`Terrain.mesh`.
+        Of formulas, as for :meth:`Terrain.mesh`.
     progress : callable, optional
         Called with steps done and steps in all.
 
@@ -109,21 +110,26 @@ def report(
     """
     lod = CoplanarityLod() if lod is None else checked_lod(lod)
     distance = DistanceLod() if distance is None else distance
-    if not isinstance(distance, DistanceLod):
-        raise InputError(f"expected a DistanceLod for distance, got {distance!r}")
+    instance("a DistanceLod for distance", distance, DistanceLod)
+    folder = file_path("folder", folder)
     step = Steps(progress, _STEPS)
-    terrain = Terrain(ground, tile=tile, plane=plane, device=device)
+    terrain = Terrain(ground, tile=tile, levels=levels or 1, plane=plane, device=device)
+    others = terrain
+    if isinstance(unweighted(lod), PromiseLod):
+        others = Terrain(ground, tile=tile, levels=levels, plane=plane, device=device)
     step()
+    camera = default_camera(ground) if camera is None else camera
     comparison = compare_pair(
         terrain,
-        camera or default_camera(ground),
+        instance("a Camera for camera", camera, Camera),
         distance=distance,
         lod=lod,
+        others=others,
         edge_rule=edge_rule,
         partitioning=partitioning,
         step=step,
     )
-    folder = require_made(Path(folder))
+    folder = require_made(folder)
     files, difference = save_pictures(comparison, folder, step)
     files["maps"] = save_maps(comparison, folder / "maps.svg")
     step()
@@ -182,13 +188,13 @@ def _content(made: Report, difference: Difference | None) -> dict[str, Any]:
             "crs": ground.crs,
         },
         "camera": asdict(comparison.camera),
-        "tile": terrain.grid.tile,
         "edge_rule": comparison.edge_rule,
         "partitioning": comparison.partitioning,
         "device": str(terrain.device.info),
         "trials": {
             trial.name: {
                 "lod": type(unweighted(trial.lod)).__name__,
+                "tile": trial.terrain.grid.tile,
                 "parameters": trial.parameters,
                 "worst_sample": trial.error.where,
                 "worst_point": trial.error.point,

@@ -118,7 +118,7 @@ def write_stability(
         If the directory or a file cannot be written.
     """
     folder = require_made(Path(directory))
-    device = device or Device.open()
+    device = Device.of(device)
     found = list(findings(device, CHECKS, progress))
     texts = {"csv": _csv(found), "json": _json(found, device), "html": _page(found, device)}
     written = write_texts(folder, {kind: (f"stability.{kind}", texts[kind]) for kind in texts})

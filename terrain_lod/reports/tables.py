@@ -95,18 +95,21 @@ def _result(comparison: Comparison) -> list[Row]:
 
 def _stages(comparison: Comparison) -> list[Row]:
     """Return what each stage of section 9.1.1 is called for."""
-    patches = comparison.terrain.grid.count
 
     def row(key: str, label: str, value: Callable[[Trial], Value]) -> Row:
         return _row(comparison, "stages", key, label, "", value)
 
     return [
         row("draw_calls", "Draw calls", lambda t: 1),
-        row("patches", "Patches", lambda t: patches),
+        row("patches", "Patches", _patches),
         row("patches_culled", "… of them not drawn: out of view, or no data", _culled),
-        row("vertex_invocations", "Vertex shader invocations", lambda t: CONTROL_POINTS * patches),
-        row("hull_constant_invocations", "Hull constant function invocations", lambda t: patches),
-        row("hull_point_invocations", "Hull control point invocations", lambda t: 4 * patches),
+        row(
+            "vertex_invocations",
+            "Vertex shader invocations",
+            lambda t: CONTROL_POINTS * _patches(t),
+        ),
+        row("hull_constant_invocations", "Hull constant function invocations", _patches),
+        row("hull_point_invocations", "Hull control point invocations", lambda t: 4 * _patches(t)),
         row("domain_invocations", "Domain stage invocations", lambda t: len(t.mesh.vertices)),
         row("triangles_generated", "Triangles generated", lambda t: t.triangles),
     ]
@@ -122,12 +125,12 @@ def _storage(comparison: Comparison) -> list[Row]:
     texture = rows * columns * _HEIGHT_BYTES
 
     def lookup(trial: Trial) -> int:
-        return grid.count * _LOOKUP_BYTES if trial.name == "coplanarity" else 0
+        return grid.count * _LOOKUP_BYTES if "coplanarity" in trial.name else 0
 
     def row(key: str, label: str, value: Callable[[Trial], Value]) -> Row:
         return _row(comparison, "storage", key, label, "bytes", value)
 
-    held = {trial.name: device_bytes(comparison.terrain, trial.mesh) for trial in comparison.trials}
+    held = {trial.name: device_bytes(trial.terrain, trial.mesh) for trial in comparison.trials}
     return [
         row("vertex_buffer", f"Vertex buffer: {corners:,} corners", lambda t: vertex_buffer),
         row("index_buffer", f"Index buffer: {CONTROL_POINTS} a patch", lambda t: index_buffer),
@@ -194,6 +197,11 @@ def rasterised_share(comparison: Comparison, trial: Trial) -> float:
 
 def _known(value: float) -> float | None:
     return None if np.isnan(value) else value
+
+
+def _patches(trial: Trial) -> int:
+    assert trial.mesh.patches is not None  # meshes of a terrain have them
+    return trial.mesh.patches.count
 
 
 def _culled(trial: Trial) -> int:

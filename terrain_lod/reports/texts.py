@@ -11,6 +11,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from ..arguments import told
+from ..errors import InputError
 from ..paths import replacing
 
 
@@ -25,6 +27,8 @@ class Steps:
     """
 
     def __init__(self, progress: Callable[[int, int], None] | None, total: int) -> None:
+        if not (progress is None or callable(progress)):
+            raise InputError(f"expected a function for progress, got {told(progress)}")
         self._progress = progress or (lambda done, total: None)
         self._done, self._total = 0, total
 

@@ -52,14 +52,18 @@ def _at_equal_triangles(comparison: Comparison) -> str:
         )
     opening = f"With as many triangles ({theirs.triangles:,} and {ours.triangles:,}),"
     unit = comparison.terrain.ground.unit_symbols[1]
-    numbers = f"{ours.error.rms:.4g} {unit} RMS against {theirs.error.rms:.4g} {unit}"
+    numbers = (
+        f"{ours.error.rms:.4g} {unit} RMS against {theirs.error.rms:.4g} {unit}, at the most "
+        f"{ours.error.maximum:.4g} {unit} against {theirs.error.maximum:.4g} {unit}"
+    )
     if ours.error.rms == theirs.error.rms:
         return f"{opening} both are equally far from the ground: {numbers}."
     if ours.error.rms < theirs.error.rms:
         gain = 1 - ours.error.rms / theirs.error.rms
         return f"{opening} {ours.name} LOD is {gain:.1%} closer to the ground: {numbers}."
-    loss = ours.error.rms / theirs.error.rms - 1
+    # distance alone may have no error at all
+    loss = f"{ours.error.rms / theirs.error.rms - 1:.1%} " if theirs.error.rms else ""
     return (
-        f"{opening} {ours.name} LOD is {loss:.1%} farther from the ground: {numbers}. "
+        f"{opening} {ours.name} LOD is {loss}farther from the ground: {numbers}. "
         "At this camera distance alone places triangles better."
     )

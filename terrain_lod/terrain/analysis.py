@@ -17,6 +17,10 @@ from .buffers import DeviceAnalysis, DeviceGround
 
 PLANES: Final = ("least_squares", "corners")
 
+_GROUP: Final = 64  # work-items, one for each column of a few tiles
+_RUN: Final = 64  # tiles that an item of a CPU goes through
+_REST: Final = 4096  # groups for tiles that are left, as far as there are any
+
 
 @dataclass(frozen=True, eq=False)
 class TileAnalysis:
@@ -102,7 +106,7 @@ def analyse(
     Zink, Pettineo, Hoxley: *Practical Rendering and Computation with Direct3D 11*, section 9.1.2.
     """
     one_of("plane", plane, PLANES)
-    uploaded = DeviceGround.upload(Relief(ground), tile, device or Device.open())
+    uploaded = DeviceGround.upload(Relief(ground), tile, Device.of(device))
     return TileAnalysis.of(uploaded.grid, analyse_on_device(uploaded, plane=plane))
 
 
@@ -111,31 +115,47 @@ def analyse_on_device(ground: DeviceGround, *, plane: str = "least_squares") -> 
     shape = (*ground.grid.shape, 4)
     planes, details = (ground.device.empty(shape, np.float32) for _ in range(2))
     analysis = DeviceAnalysis(one_of("plane", plane, PLANES), planes, details)
-    analyse_tiles(ground, analysis, np.arange(ground.grid.count, dtype=np.int32))
+    analyse_tiles(ground, analysis)
     return analysis
 
 
 def analyse_tiles(
-    ground: DeviceGround, analysis: DeviceAnalysis, numbers: npt.NDArray[np.int32]
+    ground: DeviceGround,
+    analysis: DeviceAnalysis,
+    numbers: npt.NDArray[np.int32] | None = None,
 ) -> None:
-    """Analyse some tiles, by their numbers, into what is known of all."""
-    device = ground.device
-    group = device.group_size(64)
-    kernel = device.kernel(
-        "terrain/analysis.cl",
-        "analysis",
-        TILE=ground.grid.tile,
-        GROUP=group,
-        CORNERS=int(analysis.plane == "corners"),
+    """Analyse all tiles, or some by their numbers, into what is known of all."""
+    device, grid = ground.device, ground.grid
+    group = device.group_size(_GROUP)
+    # tiles that a group fits at once, of a row of the grid or of the list
+    rows, count = (grid.shape[0], grid.shape[1]) if numbers is None else (1, len(numbers))
+    at_once = group // _columns(grid.tile) if device.is_gpu else _RUN
+    defines = {
+        "TILE": grid.tile,
+        "GROUP": group,
+        "LANES": device.lanes,
+        "CORNERS": int(analysis.plane == "corners"),
+        "LISTED": int(numbers is not None),
         **ground.defines,
-    )
+    }
+    left = device.empty(1 + rows * count, np.int32)
+    left.write([0])
+    results = {"left": left, "planes": analysis.planes, "details": analysis.details}
+    kernel = device.kernel("terrain/analysis.cl", "analysis", **defines)
     kernel(
-        (device.runs(len(numbers)) * group,),
-        (group,),
+        (-(-count // at_once) * group, rows),
+        (group, 1),
         **ground.arguments,
-        count=len(numbers),
-        tiles=device.array(numbers),
-        planes=analysis.planes,
-        details=analysis.details,
-        scratch=group * 6 * 4,
+        count=count,
+        tiles=device.array(np.zeros(1, np.int32) if numbers is None else numbers),
+        **results,
     )
+    kernel = device.kernel("terrain/analysis.cl", "analysis_of_the_rest", **defines)
+    kernel(
+        (device.runs(min(rows * count, _REST)) * group,), (group,), **ground.arguments, **results
+    )
+
+
+def _columns(tile: int) -> int:
+    """Return the power of two that holds a row of a tile's samples, at least 4."""
+    return max(4, 1 << tile.bit_length())

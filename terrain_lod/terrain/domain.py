@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from ..mesh.vertices import DeviceVertices
 from ..tessellation.pattern import DevicePattern
 from .buffers import PatchSet
@@ -37,10 +35,7 @@ def displace_on_device(patches: PatchSet, pattern: DevicePattern) -> DeviceVerti
     """
     device = patches.device
     count = pattern.points.shape[0]
-    device.require(f"{count} vertices", count * 12, count * 12)
-    vertices = DeviceVertices(
-        device.empty((count, 3), np.float32), device.empty((count, 3), np.float32)
-    )
+    vertices = DeviceVertices.empty(device, count)
     group = device.group_size(64)
     kernel = device.kernel("terrain/domain.cl", "domain", GROUP=group, **patches.defines)
     kernel(

@@ -21,11 +21,12 @@ from ..device.device import DeviceArray, Kernel
 from ..errors import InputError
 from ..tessellation.pattern import DevicePattern
 from .buffers import PatchSet
-from .leaves import Leaves
+from .leaves import Drawn, Leaves
 from .lod import AnyLod, PromiseLod, unweighted
 from .measure import measure_patches
 from .meshing import Tessellated
 from .quadtree import DeviceQuadtree
+from .steady import Steady
 
 HEIGHTS: Final = ("ground", "fitted")
 
@@ -40,12 +41,13 @@ _ROUNDS_ALONE: Final = 6
 _PASSES: Final = 16
 _MOST_ROUNDS: Final = 40
 
+_GROUP: Final = 64
 _NOBODY: Final = -1
 _INFINITE: Final = int(np.float32(np.inf).view(np.int32))
 
 
-def check_fitted(lod: AnyLod, partitioning: str) -> None:
-    """Refuse levels of detail and partitionings whose heights cannot be fitted.
+def check_fitted(lod: AnyLod, partitioning: str, steady: Steady | None) -> None:
+    """Refuse levels of detail and partitionings whose heights cannot be fitted, or be steady.
 
     Raises
     ------
@@ -59,6 +61,10 @@ def check_fitted(lod: AnyLod, partitioning: str) -> None:
     if partitioning != "integer":
         raise InputError(
             f"expected the partitioning 'integer' for fitted heights, got {partitioning!r}"
+        )
+    if steady is not None:
+        raise InputError(
+            f"expected heights='ground' with {steady}, got 'fitted': heights that float do not stay"
         )
 
 
@@ -127,7 +133,7 @@ def fit_heights(
         If the device cannot hold the vertices.
     """
     device, count = patches.device, pattern.points.shape[0]
-    group = device.group_size(64)
+    group = device.group_size(_GROUP)
     slots = 1 << max(2 * count - 1, 1).bit_length()
     device.require(f"heights of {count} vertices", 32 * count, 29 * count, 4 * slots)
     items = device.runs(patches.count) * group
@@ -200,18 +206,14 @@ class Fitted:
     Attributes
     ----------
     made : Tessellated
-    nodes : (P,) int32
-        The quadtree's node of each patch; -1 of one that was split.
-    measured, allowed : (P,) float32
-        Errors of the patches.
+    drawn : Drawn
+        What is known of the patches.
     rounds : int
         How often the mesh was measured.
     """
 
     made: Tessellated
-    nodes: npt.NDArray[np.int32]
-    measured: npt.NDArray[np.float32]
-    allowed: npt.NDArray[np.float32]
+    drawn: Drawn
     rounds: int
 
 
@@ -242,32 +244,36 @@ def fitted_mesh(
         Triangles.
     """
     device, vertices = tree.device, None
+    asked: dict[str, Any] = {"view": view, "cull": cull, "metres": metres, "pixels": pixels}
     counted = tree.weights(weights)
     # for the choice of leaves errors count for less, tile by tile: heights make up for that
-    choosing = counted.copy(0, tree.ground.grid.count)
-    choosing.write(choosing.host() / np.float32(_FIRST_ASK))
-    asked: dict[str, Any] = {"view": view, "cull": int(cull), "metres": metres, "pixels": pixels}
+    of_tiles = np.float32(1.0) if weights is None else weights.host()
+    choosing = device.empty(tree.ground.grid.count, np.float32)
+    choosing.write(np.broadcast_to(of_tiles / np.float32(_FIRST_ASK), choosing.shape))
     for rounds in range(1, _MOST_ROUNDS + 1):
         with tree.marked() as (stamp, marks):
             leaves = Leaves(tree, stamp, marks, **asked, weights=tree.weights(choosing))
             leaves.fit()
+            drawn = leaves.drawn()
         made = Tessellated.of(leaves.patches, leaves.factors, "integer")
         if made.triangle_count >= fewer_than:
             return None
-        allowed = _rooms(leaves, asked, counted)
+        allowed, shown = _rooms(leaves, asked, counted)
         vertices, patches = fit_heights(leaves.patches, made.pattern, allowed, before=vertices)
-        everything = device.zeros(leaves.count, np.uint8).fill(1)
         measured = device.zeros(leaves.count, np.float32)
-        measure_patches(patches, made.pattern, everything, measured)
+        measure_patches(patches, made.pattern, shown, measured)
         reach = 0 if rounds <= _ROUNDS_ALONE else 1
         if _ask_for_less(leaves, allowed, measured, choosing, reach) == 0:
-            made = replace(made, patches=patches)
-            return Fitted(made, leaves.drawn(), measured.host(), allowed.host(), rounds)
+            held = allowed.host()
+            if counted is not None:
+                held = held * counted.host()[leaves.nodes]
+            drawn = replace(drawn, measured=measured.host(), allowed=held)
+            return Fitted(replace(made, patches=patches), drawn, rounds)
     return None
 
 
 def _kernel(leaves: Leaves, name: str) -> Kernel:
-    defines = {"GROUP": leaves.tree.group, **leaves.patches.defines}
+    defines = {"GROUP": _GROUP, **leaves.patches.defines}
     return leaves.device.kernel("terrain/fitted.cl", name, **defines)
 
 
@@ -276,28 +282,33 @@ def _run(leaves: Leaves, name: str, **arguments: Any) -> None:
     tree = leaves.tree
     _kernel(leaves, name)(
         (leaves.count,),
-        (tree.group,),
+        (_GROUP,),
         grid=tree.ground.grid.record(),
-        tree=tree.record(),
+        tree=tree.record,
         count=leaves.count,
         leaves=leaves.patches.arguments["leaves"],
         **arguments,
     )
 
 
-def _rooms(leaves: Leaves, asked: dict[str, Any], weights: DeviceArray) -> DeviceArray:
-    """Return the error that each leaf is allowed, 0 where nothing is drawn; (P,) float32."""
-    allowed = leaves.device.empty(leaves.count, np.float32)
+def _rooms(
+    leaves: Leaves, asked: dict[str, Any], weights: DeviceArray | None
+) -> tuple[DeviceArray, DeviceArray]:
+    """Return the error that each leaf is allowed, 0 where nothing is drawn; and where it is."""
+    allowed, shown = (leaves.device.empty(leaves.count, dtype) for dtype in (np.float32, np.uint8))
     _run(
         leaves,
         "rooms",
         **asked,
+        is_weighted=int(weights is not None),
+        weights=leaves.tree.deviations if weights is None else weights,
+        hysteresis=0.0,
         details=leaves.tree.details,
-        weights=weights,
         edge_factors=leaves.factors.edge,
         allowed=allowed,
+        drawn=shown,
     )
-    return allowed
+    return allowed, shown
 
 
 def _ask_for_less(
@@ -324,6 +335,5 @@ def _ask_for_less(
         steps=steps,
         exceeding=exceeding,
     )
-    tighten, group = _kernel(leaves, "tighten"), leaves.tree.group
-    tighten((count,), (group,), tiles=count, steps=steps, weights=weights)
+    _kernel(leaves, "tighten")((count,), (_GROUP,), tiles=count, steps=steps, weights=weights)
     return int(exceeding.host()[0])

@@ -11,6 +11,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import prod
 from typing import Any, Final
 
 import numpy as np
@@ -33,15 +34,37 @@ FIRST_SHARE: Final = 0.998
 _LEAST_SHARE: Final = 0.05
 
 # arrays with a row a leaf
-_OF_LEAVES: Final = (
-    "_leaves",
-    "_shares",
-    "_changed",
-    "_unmeasured",
-    "_failed",
-    "_keys",
-    "measured",
-)
+_OF_LEAVES: Final = {
+    "_leaves": ((), np.int32),
+    "_shares": ((), np.float32),
+    "_changed": ((), np.uint8),
+    "_unmeasured": ((), np.uint8),
+    "_failed": ((), np.uint8),
+    "_keys": ((layout.EDGES,), np.uint32),
+    "_side_factors": ((layout.EDGES,), np.int32),
+    "_side_rooms": ((layout.EDGES,), np.float32),
+    "_edges": ((layout.EDGES,), np.float32),
+    "_insides": ((layout.INSIDES,), np.float32),
+    "measured": ((), np.float32),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """What is known of P leaves; all 0 of those that were split.
+
+    Attributes
+    ----------
+    areas : (P, 4) int32
+        First row, first column, rows and columns of their cells.
+    measured, allowed, deviation : (P,) float32
+        Errors, and how far their tiles' samples deviate from planes.
+    """
+
+    areas: npt.NDArray[np.int32]
+    measured: npt.NDArray[np.float32]
+    allowed: npt.NDArray[np.float32]
+    deviation: npt.NDArray[np.float32]
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,19 +95,31 @@ class Leaves:
     cull : bool
     metres, pixels : float
         Errors allowed; infinite where not asked for.
-    weights : DeviceArray, (N,) float32
+    weights : DeviceArray, (N,) float32, or None
         How many times a node's error counts.
+    hysteresis : float
+        Share by which nodes may be held to less than they are allowed: what they were last.
 
     Attributes
     ----------
     count : int
         P, leaves that were split included.
-    factors : DeviceFactors
-        0 where a leaf was split.
     sides : Sides
-    measured : DeviceArray, (P,) float32
-        Error of each leaf's triangles.
+    measured : DeviceArray, float32
+        Error of each leaf's triangles, and more rows than leaves.
     """
+
+    _leaves: DeviceArray
+    _shares: DeviceArray
+    _changed: DeviceArray
+    _unmeasured: DeviceArray
+    _failed: DeviceArray
+    _keys: DeviceArray
+    _side_factors: DeviceArray
+    _side_rooms: DeviceArray
+    _edges: DeviceArray
+    _insides: DeviceArray
+    measured: DeviceArray
 
     def __init__(
         self,
@@ -96,7 +131,8 @@ class Leaves:
         cull: bool,
         metres: float,
         pixels: float,
-        weights: DeviceArray,
+        weights: DeviceArray | None,
+        hysteresis: float = 0.0,
     ) -> None:
         self.tree, self.device = tree, tree.device
         self._stamp, self._marks = stamp, marks
@@ -105,121 +141,130 @@ class Leaves:
             "cull": int(cull),
             "metres": metres,
             "pixels": pixels,
-            "weights": weights,
+            "is_weighted": int(weights is not None),
+            "weights": tree.deviations if weights is None else weights,
+            "hysteresis": hysteresis,
         }
-        self.count = 0
-        self._take(self._select())
+        self.count, self._room = 0, -1
+        self._select()
         self._lay_sides()
-
-    def _run(self, file: str, name: str, items: int, /, **arguments: Any) -> None:
-        self.tree.kernel(file, name)((items,), (self.tree.group,), **arguments)
 
     @property
     def _states(self) -> dict[str, Any]:
         return {"stamp": self._stamp, "marks": self._marks.marks}
 
-    def _select(self) -> DeviceArray:
-        """Return the nodes of the cheapest mesh found, by what each costs by itself."""
-        tree, device = self.tree, self.device
-        first, roots = int(tree.first[-2]), int(tree.first[-1] - tree.first[-2])
-        visited = device.empty(tree.count, np.int32)
-        visited.write(np.arange(first, first + roots, dtype=np.int32))
-        frontiers, begin, count = [], 0, roots
-        while count:
-            children = device.empty(count, np.uint32)
-            self._run(
-                "tree.cl",
-                "visit",
-                count,
-                **tree.arguments,
-                **self._asked,
-                **self._states,
-                share=FIRST_SHARE,
-                order=tree.order,
-                errors=tree.errors,
-                first=begin,
-                count=count,
-                visited=visited,
-                allowed=self._marks.allowed,
-                costs=self._marks.costs,
-                child_counts=children,
-            )
-            frontier = {"tree": tree.record(), "first": begin, "count": count, "visited": visited}
-            frontiers.append((count, frontier))
-            offsets, total = exclusive_scan(children)
-            self._run(
-                "tree.cl",
-                "expand",
-                count,
-                **frontier,
-                child_counts=children,
-                child_offsets=offsets,
-            )
-            begin, count = begin + count, total
-        for items, frontier in reversed(frontiers):
-            costs = self._marks.costs
-            self._run("tree.cl", "choose", items, **frontier, **self._states, costs=costs)
-        is_leaf = device.empty(begin, np.uint32)
-        seen = {"count": begin, "visited": visited}
-        self._run(
-            "tree.cl", "settle", begin, tree=tree.record(), **seen, **self._states, is_leaf=is_leaf
+    def _select(self) -> None:
+        """Find the nodes of the cheapest mesh, by what each costs by itself."""
+        tree, device, depth = self.tree, self.device, self.tree.depth
+        above = range(depth + 1, len(tree.shapes))
+        # those from the depth up stand at the end
+        count = tree.count - int(tree.first[depth])
+        costs, counts = device.empty(count, np.float32), device.empty(count, np.uint32)
+        asked = {
+            **tree.arguments,
+            **self._asked,
+            **self._states,
+            "share": FIRST_SHARE,
+            "order": tree.order,
+            "errors": tree.errors,
+            "allowed": self._marks.allowed,
+            "costs": costs,
+        }
+        for level in reversed(above):
+            tree.run_groups("choice.cl", "visit", prod(tree.shapes[level]), **asked, level=level)
+        tree.run_groups(
+            "choice.cl", "descend", prod(tree.shapes[depth]), **asked, leaf_counts=counts
         )
-        offsets, total = exclusive_scan(is_leaf)
-        leaves = device.empty(total, np.int32)
-        self._run(
-            "tree.cl",
+        chosen = {"tree": tree.record, **self._states}
+        for level in above:
+            items = prod(tree.shapes[level])
+            tree.run("choice.cl", "choose", items, **chosen, level=level, costs=costs)
+        tree.run("choice.cl", "count", count, **chosen, nodes=count, leaf_counts=counts)
+        offsets, total = exclusive_scan(counts)
+        self._append(total)
+        tree.run(
+            "choice.cl",
             "collect",
-            begin,
-            **seen,
-            is_leaf=is_leaf,
+            count,
+            **chosen,
+            nodes=count,
             offsets=offsets,
-            leaves=leaves,
+            leaves=self._leaves,
             leaf_of=self._marks.leaf_of,
         )
-        return leaves
 
-    def _take(self, leaves: DeviceArray) -> None:
-        device, count = self.device, leaves.size
-        self.count = count
-        self._leaves = leaves
-        self._shares = device.empty(count, np.float32).fill(FIRST_SHARE)
-        self._changed = device.zeros(count, np.uint8).fill(1)
-        self._unmeasured = device.zeros(count, np.uint8).fill(1)
-        self._failed = device.zeros(count, np.uint8)
-        self._keys = device.zeros((count, layout.EDGES), np.uint32)
-        self.measured = device.zeros(count, np.float32)
-        self.factors = DeviceFactors(
-            device.empty((count, layout.EDGES), np.float32),
-            device.zeros((count, layout.INSIDES), np.float32),
+    def _append(self, extra: int) -> None:
+        """Make room for more leaves, of which nothing is known."""
+        first, self.count = self.count, self.count + extra
+        if self.count > self._room:
+            self._room = self.count + self.count // 4  # most meshes split no more
+            for name, (shape, dtype) in _OF_LEAVES.items():
+                longer = self.device.empty((self._room, *shape), dtype)
+                if first:
+                    longer.paste(getattr(self, name).head(first), 0)
+                setattr(self, name, longer)
+        self.tree.run(
+            "leaves.cl",
+            "begin",
+            extra,
+            first=first,
+            count=extra,
+            share=FIRST_SHARE,
+            shares=self._shares,
+            changed=self._changed,
+            unmeasured=self._unmeasured,
+            failed=self._failed,
+            keys=self._keys,
+            factors=self._side_factors,
+            inside_factors=self._insides,
+            measured=self.measured,
         )
 
-    def drawn(self) -> npt.NDArray[np.int32]:
-        """Return the node of each leaf, -1 where it was split; (P,)."""
-        there = self.factors.edge.host()[:, 0] > 0
-        return np.where(there, self.nodes, np.int32(-1))
+    @property
+    def factors(self) -> DeviceFactors:
+        """Factors of all leaves, 0 of those that were split."""
+        return DeviceFactors(self._edges.head(self.count), self._insides.head(self.count))
+
+    def drawn(self) -> Drawn:
+        """Bring down what is known of the leaves."""
+        device, count = self.device, self.count
+        areas, known = device.empty((count, 4), np.int32), device.empty((count, 4), np.float32)
+        self.tree.run(
+            "leaves.cl",
+            "describe",
+            count,
+            grid=self.tree.ground.grid.record(),
+            tree=self.tree.record,
+            is_weighted=self._asked["is_weighted"],
+            weights=self._asked["weights"],
+            count=count,
+            leaves=self._leaves,
+            **self._states,
+            allowed=self._marks.allowed,
+            measured=self.measured,
+            deviations=self.tree.deviations,
+            areas=areas,
+            known=known,
+        )
+        measured, allowed, deviation, _ = known.host().T
+        return Drawn(areas.host(), measured, allowed, deviation)
 
     @property
     def nodes(self) -> npt.NDArray[np.int32]:
         """The node of each leaf; (P,)."""
-        nodes: npt.NDArray[np.int32] = self._leaves.host()
+        nodes: npt.NDArray[np.int32] = self._leaves.head(self.count).host()
         return nodes
-
-    @property
-    def allowed(self) -> npt.NDArray[np.float32]:
-        """The error that each leaf is allowed; (P,)."""
-        allowed: npt.NDArray[np.float32] = self._marks.allowed.host()[self.nodes]
-        return allowed
 
     @property
     def patches(self) -> PatchSet:
         """The leaves as the stages after this one see them."""
         arguments = {
-            "tree": self.tree.record(),
+            "tree": self.tree.record,
             "leaves": self._leaves,
             "side_offsets": self.sides.offsets,
             "side_places": self.sides.places,
-            "inside_factors": self.factors.inside,
-            "lifts": self.factors.inside,  # not looked at until there are any
+            "inside_factors": self._insides,
+            "lifts": self._insides,  # not looked at until there are any
         }
         header = "terrain/patch_leaves.h"
         return PatchSet(self.tree.ground, header, self.count, arguments, self.tree.details)
@@ -227,8 +272,8 @@ class Leaves:
     def _lay_sides(self) -> None:
         """Find the factors of all sides, and where their points lie."""
         device, count = self.device, self.count
-        own = device.empty((count, layout.EDGES), np.int32)
-        counts = device.empty(count * layout.EDGES, np.uint32)
+        sides = count * layout.EDGES
+        counts = device.empty(sides, np.uint32)
         shared = {
             **self.tree.arguments,
             **self._states,
@@ -237,26 +282,26 @@ class Leaves:
             "leaves": self._leaves,
             "shares": self._shares,
             "leaf_of": self._marks.leaf_of,
-            "factors": own,
+            "factors": self._side_factors,
         }
-        self._run("joints.cl", "side_factors", count, **shared)
-        self._run(
+        self.tree.run("joints.cl", "side_factors", sides, **shared, rooms=self._side_rooms)
+        self.tree.run(
             "joints.cl",
             "side_counts",
-            count * layout.EDGES,
+            sides,
             **shared,
             keys=self._keys,
             counts=counts,
-            edge_factors=self.factors.edge,
+            edge_factors=self._edges,
             changed=self._changed,
             failed=self._failed,
         )
         offsets, total = exclusive_scan(counts)
         places = device.empty(total, np.int32)
-        self._run(
+        self.tree.run(
             "joints.cl",
             "side_places",
-            count * layout.EDGES,
+            sides,
             **shared,
             offsets=offsets,
             places=places,
@@ -265,7 +310,7 @@ class Leaves:
 
     def choose(self) -> None:
         """Find the cheapest inside of each leaf that changed, beside its sides."""
-        self._run(
+        self.tree.run_groups(
             "leaf_fit.cl",
             "fit_leaves",
             self.count,
@@ -281,11 +326,10 @@ class Leaves:
             side_offsets=self.sides.offsets,
             side_places=self.sides.places,
             changed=self._changed,
-            inside_factors=self.factors.inside,
+            inside_factors=self._insides,
             unmeasured=self._unmeasured,
             failed=self._failed,
         )
-        self._changed.fill(0)
 
     def fit(self) -> None:
         """Find insides that hold, and split leaves until all have some."""
@@ -298,11 +342,11 @@ class Leaves:
         """Put the children of failed leaves behind the others; say whether there were any."""
         tree, device, count = self.tree, self.device, self.count
         children = device.empty(count, np.uint32)
-        self._run(
-            "tree.cl",
+        self.tree.run(
+            "leaves.cl",
             "count_children",
             count,
-            tree=tree.record(),
+            tree=tree.record,
             count=count,
             leaves=self._leaves,
             failed=self._failed,
@@ -311,38 +355,30 @@ class Leaves:
         offsets, total = exclusive_scan(children)
         if total == 0:
             return False
-        self._failed.fill(0)
-        self.count += total
-        for name in _OF_LEAVES:
-            setattr(self, name, _extended(getattr(self, name), total))
-        self.factors = DeviceFactors(
-            _extended(self.factors.edge, total), _extended(self.factors.inside, total)
-        )
-        self._run(
-            "tree.cl",
+        self._append(total)
+        self.tree.run(
+            "leaves.cl",
             "split",
             count,
             grid=tree.ground.grid.record(),
-            tree=tree.record(),
+            tree=tree.record,
             details=tree.details,
             **self._asked,
             **self._states,
-            share=FIRST_SHARE,
             count=count,
             child_counts=children,
             child_offsets=offsets,
             allowed=self._marks.allowed,
             leaf_of=self._marks.leaf_of,
             leaves=self._leaves,
-            shares=self._shares,
             changed=self._changed,
+            failed=self._failed,
         )
         return True
 
     def measure(self, pattern: DevicePattern) -> None:
         """Measure the triangles of the leaves that changed, at every sample."""
         measure_patches(self.patches, pattern, self._unmeasured, self.measured)
-        self._unmeasured.fill(0)
 
     def tighten(self) -> tuple[int, int]:
         """Ask leaves that exceed for less; note those that nothing holds for.
@@ -353,11 +389,11 @@ class Leaves:
             Leaves that exceed, and those of them that can do better.
         """
         counts = self.device.zeros(2, np.uint32)
-        self._run(
-            "tree.cl",
+        self.tree.run(
+            "leaves.cl",
             "tighten",
             self.count,
-            tree=self.tree.record(),
+            tree=self.tree.record,
             **self._states,
             count=self.count,
             least_share=_LEAST_SHARE,
@@ -366,6 +402,7 @@ class Leaves:
             measured=self.measured,
             shares=self._shares,
             changed=self._changed,
+            unmeasured=self._unmeasured,
             failed=self._failed,
             counts=counts,
         )
@@ -376,10 +413,3 @@ class Leaves:
         """Split what :meth:`tighten` noted, and lay the sides of what has changed."""
         self._split()
         self._lay_sides()
-
-
-def _extended(array: DeviceArray, extra: int) -> DeviceArray:
-    """Return a copy with room for so many more rows, all zero."""
-    longer = array.device.zeros((array.shape[0] + extra, *array.shape[1:]), array.dtype)
-    longer.paste(array, 0)
-    return longer

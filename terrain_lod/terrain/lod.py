@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar, Final
 
+from ..arguments import finite, instance
 from ..errors import InputError
 from ..numbered import Number, Numbered, number
 
@@ -28,10 +29,17 @@ class Scene:
         Of the ground's bounding box.
     rough_deviation : float
         Deviation that 98 % of the tiles stay below.
+    tile : int
+        Cells along a tile.
     """
 
     diagonal: float
     rough_deviation: float
+    tile: int
+
+    def __post_init__(self) -> None:
+        for name in ("diagonal", "rough_deviation"):
+            object.__setattr__(self, name, finite(name, getattr(self, name)))
 
 
 class Lod(Numbered):
@@ -113,9 +121,8 @@ class Weighted:
     needs_camera: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
-        if isinstance(self.lod, Weighted):
+        if isinstance(checked_lod(self.lod), Weighted):
             raise InputError(f"expected a level of detail without weights to weigh, got {self.lod}")
-        checked_lod(self.lod)
         for name, what in WEIGHTS.items():
             object.__setattr__(self, name, what.checked(name, getattr(self, name)))
 
@@ -131,14 +138,9 @@ def checked_lod(value: object) -> AnyLod:
     InputError
         If it is anything else, a class of them included.
     """
-    if isinstance(value, Lod | PromiseLod | Weighted):
-        return value
-    if isinstance(value, type) and issubclass(value, Lod | PromiseLod | Weighted):
-        raise InputError(
-            f"expected a level of detail, got its class {value.__name__}: "
-            f"write {value.__name__}(...)"
-        )
-    raise InputError(f"expected a level of detail, such as ScreenErrorLod(1.0), got {value!r}")
+    what = "a level of detail, such as ScreenErrorLod(1.0)"
+    made: AnyLod = instance(what, value, Lod | PromiseLod | Weighted)
+    return made
 
 
 def unweighted(lod: AnyLod) -> Lod | PromiseLod:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar, Final
 
+from ..arguments import instance
 from ..device.layout import MAX_TILE
 from ..numbered import TILE, Number, number
 from .lod import Lod, Scene
@@ -22,12 +23,12 @@ _FAR: Final = Number(
 )
 _MINIMUM: Final = Number(1.0, low=1.0, high=MAX_TILE, unit="segments", help="least factor")
 _MAXIMUM: Final = Number(
-    15.0,
+    None,
     low=1.0,
     high=MAX_TILE,
     start=TILE,
     unit="segments",
-    help="most factor",
+    help="most factor; by default the cells of a tile",
 )
 
 
@@ -62,7 +63,7 @@ class DistanceLod(Lod):
         Distances in world units with the highest and the lowest detail; `far` defaults to the
         diagonal of the ground.
     minimum, maximum : float, optional
-        Factors at `far` and `near`, 1 to 63.
+        Factors at `far` and `near`, 1 to 63; `maximum` defaults to the cells of a tile.
     falloff : float, optional
         Exponent of the nearness: 1 is linear, more keeps detail closer to the camera.
 
@@ -75,7 +76,7 @@ class DistanceLod(Lod):
     near: float = number(_NEAR)
     far: float | None = number(_FAR)
     minimum: float = number(_MINIMUM)
-    maximum: float = number(_MAXIMUM)
+    maximum: float | None = number(_MAXIMUM)
     falloff: float = number(
         1.0,
         shown=(0.25, 8.0),
@@ -86,12 +87,48 @@ class DistanceLod(Lod):
     swept: ClassVar[str] = "maximum"
 
     def parameters(self, scene: Scene) -> dict[str, float]:
-        return {**self.numbers(), "far": _far(self, scene)}
+        return {**self.numbers(), "far": _far(self, scene), "maximum": _most(self, scene)}
 
 
 @dataclass(frozen=True)
 class CoplanarityLod(Lod):
-    """Distance scaled by deviation: detail where the ground leaves its plane.
+    """Detail where the ground is seen to leave its plane.
+
+    A tile gets segments with the cube root of its deviation in the picture, so that the sum of
+    squared errors is about the least for a number of triangles; docs/coplanarity.md derives it.
+
+    Parameters
+    ----------
+    pixels : float, optional
+        Deviation in the picture at which a tile gets `maximum` segments; one of an eighth of it
+        gets half as many.
+    minimum, maximum : float, optional
+        Factors that limit it, 1 to 63; `maximum` defaults to the cells of a tile.
+
+    Notes
+    -----
+    The deviation is that of Zink, Pettineo, Hoxley: *Practical Rendering and Computation with
+    Direct3D 11*, section 9.1.2; :class:`BookCoplanarityLod` weighs it as they do.
+    """
+
+    pixels: float = number(
+        16.0,
+        unit="pixels",
+        shown=(0.5, 128.0),
+        logarithmic=True,
+        help="deviation from its plane in the picture at which a tile gets all detail",
+    )
+    minimum: float = number(_MINIMUM)
+    maximum: float | None = number(_MAXIMUM)
+    header: ClassVar[str | Path] = "terrain/lod/coplanarity.h"
+
+    def parameters(self, scene: Scene) -> dict[str, float]:
+        return {**self.numbers(), "maximum": _most(self, scene)}
+
+
+@dataclass(frozen=True)
+class BookCoplanarityLod(Lod):
+    """Distance scaled by deviation, as the book weighs it.
 
     Parameters
     ----------
@@ -112,7 +149,7 @@ class CoplanarityLod(Lod):
     near: float = number(_NEAR)
     far: float | None = number(_FAR)
     minimum: float = number(_MINIMUM)
-    maximum: float = number(_MAXIMUM)
+    maximum: float | None = number(_MAXIMUM)
     full_deviation: float | None = number(
         None,
         unit="m",
@@ -122,14 +159,19 @@ class CoplanarityLod(Lod):
     flat_weight: float = number(
         0.3, low=0.0, high=1.0, help="share of its distance's detail that a flat tile keeps"
     )
-    header: ClassVar[str | Path] = "terrain/lod/coplanarity.h"
+    header: ClassVar[str | Path] = "terrain/lod/book_coplanarity.h"
     swept: ClassVar[str] = "maximum"
 
     def parameters(self, scene: Scene) -> dict[str, float]:
         rough = scene.rough_deviation if self.full_deviation is None else self.full_deviation
         # on perfectly flat ground any positive number means flat
         full = rough if rough > 0 else 1.0
-        return {**self.numbers(), "far": _far(self, scene), "full_deviation": full}
+        return {
+            **self.numbers(),
+            "far": _far(self, scene),
+            "maximum": _most(self, scene),
+            "full_deviation": full,
+        }
 
 
 @dataclass(frozen=True)
@@ -142,16 +184,28 @@ class ScreenAreaLod(Lod):
         A tile gets a segment along its edges for every so many pixels along the side of a square
         with the area of its projected box.
     minimum, maximum : float, optional
-        Factors that limit it, 1 to 63.
+        Factors that limit it, 1 to 63; `maximum` defaults to the cells of a tile.
     """
 
     pixels: float = number(
         8.0, unit="pixels", shown=(1.0, 64.0), logarithmic=True, help="pixels along a segment"
     )
     minimum: float = number(_MINIMUM)
-    maximum: float = number(_MAXIMUM)
+    maximum: float | None = number(_MAXIMUM)
     header: ClassVar[str | Path] = "terrain/lod/area.h"
 
+    def parameters(self, scene: Scene) -> dict[str, float]:
+        return {**self.numbers(), "maximum": _most(self, scene)}
 
-def _far(lod: DistanceLod | CoplanarityLod, scene: Scene) -> float:
-    return lod.near + scene.diagonal if lod.far is None else lod.far
+
+_Capped = DistanceLod | CoplanarityLod | BookCoplanarityLod | ScreenAreaLod
+
+
+def _far(lod: DistanceLod | BookCoplanarityLod, scene: Scene) -> float:
+    diagonal = instance("a Scene", scene, Scene).diagonal
+    return lod.near + diagonal if lod.far is None else lod.far
+
+
+def _most(lod: _Capped, scene: Scene) -> float:
+    # a tile of a few cells may have less than the least that is asked for
+    return max(lod.minimum, scene.tile) if lod.maximum is None else lod.maximum

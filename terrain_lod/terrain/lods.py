@@ -9,7 +9,13 @@ from __future__ import annotations
 from typing import Final
 
 from .lod import AnyLod, Lod, PromiseLod, Weighted, unweighted
-from .lod_formulas import CoplanarityLod, DistanceLod, ScreenAreaLod, UniformLod
+from .lod_formulas import (
+    BookCoplanarityLod,
+    CoplanarityLod,
+    DistanceLod,
+    ScreenAreaLod,
+    UniformLod,
+)
 from .lod_promises import BudgetLod, MaxErrorLod, ScreenErrorLod
 
 LODS: Final[dict[str, type[Lod | PromiseLod]]] = {
@@ -17,6 +23,7 @@ LODS: Final[dict[str, type[Lod | PromiseLod]]] = {
     "max-error": MaxErrorLod,
     "budget": BudgetLod,
     "coplanarity": CoplanarityLod,
+    "book-coplanarity": BookCoplanarityLod,
     "distance": DistanceLod,
     "area": ScreenAreaLod,
     "uniform": UniformLod,

@@ -19,10 +19,11 @@ from ..device.device import DeviceArray
 from ..errors import InputError
 from ..mesh.mesh import Achieved
 from .fitted import fitted_mesh
-from .leaves import Leaves
+from .leaves import Drawn, Leaves
 from .lod import PromiseLod
 from .meshing import Tessellated
 from .selection import Selection
+from .steady import Steady
 from .tiles import DeviceTiles
 
 # shares of what is allowed shrink so fast that full resolution comes well before this
@@ -41,12 +42,12 @@ class Kept:
     Attributes
     ----------
     made : Tessellated
-    nodes : (P,) int32, or None
-        The quadtree's node of each patch; -1 of one that was split. None where patches are tiles.
+    drawn : Drawn or None
+        What is known of the patches; None where they are the tiles.
     """
 
     made: Tessellated
-    nodes: npt.NDArray[np.int32] | None = None
+    drawn: Drawn | None = None
 
     @property
     def triangle_count(self) -> int:
@@ -74,6 +75,8 @@ class Promise:
     cull : bool
     weights : DeviceArray, (P,) float32, or None
         How many times a tile's error counts.
+    steady : Steady or None
+        What patches were allowed in the last mesh.
     heights : {"ground", "fitted"}
         Whether vertices stand on the ground, or float within the error.
     """
@@ -84,6 +87,7 @@ class Promise:
     edge_rule: str
     cull: bool
     weights: DeviceArray | None = None
+    steady: Steady | None = None
     heights: str = "ground"
 
     def keep(self, lod: PromiseLod) -> Kept:
@@ -130,8 +134,7 @@ class Promise:
     def _within_tree(self, metres: float, pixels: float) -> Kept:
         tree = self.tiles.tree
         assert tree is not None  # who promises has it made
-        weights = tree.weights(self.weights)
-        with tree.marked() as (stamp, marks):
+        with tree.marked(self.steady) as (stamp, marks):
             leaves = Leaves(
                 tree,
                 stamp,
@@ -140,7 +143,8 @@ class Promise:
                 cull=self.cull,
                 metres=metres,
                 pixels=pixels,
-                weights=weights,
+                weights=tree.weights(self.weights),
+                hysteresis=0.0 if self.steady is None else self.steady.hysteresis,
             )
             for rounds in range(1, _MOST_ROUNDS + 1):
                 if rounds > 1:
@@ -151,12 +155,9 @@ class Promise:
                 exceeding, refinable = leaves.tighten()
                 if refinable == 0:
                     break
-            nodes = leaves.drawn()
-            there = nodes >= 0
-            worst, allowed = leaves.measured.host()[there], leaves.allowed[there]
-            allowed *= weights.host()[nodes[there]]
-        achieved = _achieved(worst, allowed, pixels, exceeding, rounds)
-        return Kept(replace(made, achieved=achieved), nodes)
+            drawn = leaves.drawn()
+        achieved = _achieved(drawn.measured, drawn.allowed, pixels, exceeding, rounds)
+        return Kept(replace(made, achieved=achieved), drawn)
 
     def _within_fitted(self, metres: float, pixels: float) -> Kept:
         tree = self.tiles.tree
@@ -173,12 +174,8 @@ class Promise:
         )
         if found is None:
             return standing
-        there = found.nodes >= 0
-        worst, allowed = found.measured[there], found.allowed[there]
-        if self.weights is not None:
-            allowed *= tree.weights(self.weights).host()[found.nodes[there]]
-        achieved = _achieved(worst, allowed, pixels, 0, found.rounds)
-        return Kept(replace(found.made, achieved=achieved), found.nodes)
+        achieved = _achieved(found.drawn.measured, found.drawn.allowed, pixels, 0, found.rounds)
+        return Kept(replace(found.made, achieved=achieved), found.drawn)
 
     def _least_error(self, triangles: int, enough: float, *, in_pixels: bool) -> Kept:
         """Return the mesh of at most so many `triangles` with the least error above `enough`."""

@@ -10,7 +10,9 @@ from __future__ import annotations
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from math import prod
 from typing import Any, Final
 
 import numpy as np
@@ -19,9 +21,12 @@ import numpy.typing as npt
 from ..device import layout
 from ..device.device import Device, DeviceArray, Kernel
 from .buffers import DeviceAnalysis, DeviceGround, lattice_levels
+from .steady import Steady
 
 _GROUP: Final = 64
-_UNMEASURED: Final = -1e-30  # ``kernels/terrain/lattice.h``
+_NODE_GROUP: Final = 32  # that look at one node together
+_GATHERED: Final = 3  # levels of nodes that are found at once
+_DEPTH: Final = 3  # levels below those that are looked at one after the other
 
 
 def level_shapes(shape: tuple[int, int], levels: int | None = None) -> tuple[tuple[int, int], ...]:
@@ -48,19 +53,18 @@ def cheapest_first(tile: int) -> npt.NDArray[np.int32]:
 
 @dataclass(frozen=True, eq=False)
 class Marks:
-    """What became of each of N nodes in the mesh that is being made.
+    """What becomes of each of N nodes in the mesh that is being made, and became of it in the last.
 
     Attributes
     ----------
     marks : DeviceArray, (N,) uint32
         Of the last mesh that looked at a node: its number, and what it made of it.
-    allowed, costs : DeviceArray, (N,) float32
+    allowed : DeviceArray, (N,) float32
     leaf_of : DeviceArray, (N,) int32
     """
 
     marks: DeviceArray
     allowed: DeviceArray
-    costs: DeviceArray
     leaf_of: DeviceArray
 
 
@@ -75,26 +79,30 @@ class DeviceQuadtree:
     ground : DeviceGround
     shapes : tuple of (int, int)
         Rows and columns of the nodes of each level.
-    drifts : tuple of DeviceArray, (P,) float32
-        How far the samples of each tile are from the lattice of a level, for levels that have one.
+    drifts : DeviceArray, float32
+        How far the samples of blocks of nodes are from the lattices of the levels that have one.
     details : DeviceArray, (N, 4) float32
         Drift, minimum, maximum, samples without data.
+    deviations : DeviceArray, (N,) float32
+        The largest of the node's tiles.
     order : DeviceArray, (T * T,) int32
         Pairs of factors, see :func:`cheapest_first`.
-    errors, inner_errors : DeviceArray, (N, T, T) float32
+    errors, inner_errors : DeviceArray, (N, T, T) uint16
         Largest error of a node at a pair of factors, all of it or what lies within the pattern's
-        outermost inner lines; negative, and then no more than a lower limit, where it is unknown.
+        outermost inner lines, as far as it is known: ``kernels/terrain/lattice.h``.
     """
 
     ground: DeviceGround
     shapes: tuple[tuple[int, int], ...]
-    drifts: tuple[DeviceArray, ...]
+    drifts: DeviceArray
     details: DeviceArray
+    deviations: DeviceArray
     order: DeviceArray
     errors: DeviceArray
     inner_errors: DeviceArray
     _spare: list[tuple[int, Marks]] = field(default_factory=list)
     _lock: threading.Lock = field(default_factory=threading.Lock)
+    _kernels: dict[tuple[str, str], Kernel] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -110,46 +118,54 @@ class DeviceQuadtree:
         device, tile = ground.device, ground.grid.tile
         shapes = level_shapes(ground.grid.shape, levels)
         count = sum(rows * columns for rows, columns in shapes)
-        device.require(f"a quadtree of {count} nodes", *2 * [4 * count * tile**2], 16 * count)
-        finer = lattice_levels(tile)
+        device.require(f"a quadtree of {count} nodes", *2 * [2 * count * tile**2], 20 * count)
         tree = cls(
             ground,
             shapes,
-            tuple(device.empty(ground.grid.count, np.float32) for _ in shapes[finer + 1 :]),
+            device.empty(_block_count(shapes, lattice_levels(tile)), np.float32),
             device.empty((count, 4), np.float32),
+            device.empty(count, np.float32),
             device.array(cheapest_first(tile)),
-            errors=device.empty((count, tile, tile), np.float32).fill(_UNMEASURED),
-            inner_errors=device.empty((count, tile, tile), np.float32).fill(_UNMEASURED),
+            errors=device.zeros((count, tile, tile), np.uint16),
+            inner_errors=device.zeros((count, tile, tile), np.uint16),
         )
-        tree._look_at(analysis, np.arange(ground.grid.count, dtype=np.int32))
+        tree._look_at(analysis, (0, 0, ground.grid.rows, ground.grid.columns))
         return tree
 
     def updated(
         self, ground: DeviceGround, analysis: DeviceAnalysis, changed: npt.NDArray[np.int32]
     ) -> DeviceQuadtree:
-        """Return the tree over a ground that differs in some tiles alone."""
-        tree = DeviceQuadtree(
-            ground,
-            self.shapes,
-            tuple(drift.copy(0, drift.shape[0]) for drift in self.drifts),
-            self.details.copy(0, self.count),
-            self.order,
-            self.errors.copy(0, self.count),
-            self.inner_errors.copy(0, self.count),
+        """Return the tree over a ground that differs in some tiles alone.
+
+        It forgets errors where they stand: nothing is lost to who goes on with this one.
+        """
+        tree = replace(
+            self,
+            ground=ground,
+            _kernels={},  # holes may have come
+            drifts=self.drifts.copy(0, self.drifts.size),
+            details=self.details.copy(0, self.count),
+            deviations=self.deviations.copy(0, self.count),
         )
-        tree._look_at(analysis, changed)
-        rows, columns = np.divmod(changed, ground.grid.shape[1])
+        grid = ground.grid
+        rows, columns = np.divmod(changed, grid.shape[1])
+        top, left, bottom, right = (
+            int(number) for number in (rows.min(), columns.min(), rows.max(), columns.max())
+        )
+        south, east = int(grid.corner_rows[bottom + 1]), int(grid.corner_columns[right + 1])
+        window = int(grid.corner_rows[top]), int(grid.corner_columns[left]), south, east
+        tree._look_at(analysis, window)
         for level in range(len(self.shapes)):
-            top, left = int(rows.min()) >> level, int(columns.min()) >> level
-            down = (int(rows.max()) >> level) - top + 1
-            across = (int(columns.max()) >> level) - left + 1
-            tree.kernel("tree.cl", "forget")(
-                (down * across,),
-                (tree.group,),
-                tree=tree.record(),
+            down = (bottom >> level) - (top >> level) + 1
+            across = (right >> level) - (left >> level) + 1
+            tree.run(
+                "tree.cl",
+                "forget",
+                down * across,
+                tree=tree.record,
                 level=level,
-                row=top,
-                column=left,
+                row=top >> level,
+                column=left >> level,
                 rows=down,
                 columns=across,
                 errors=tree.errors,
@@ -166,9 +182,9 @@ class DeviceQuadtree:
         return sum(rows * columns for rows, columns in self.shapes)
 
     @property
-    def group(self) -> int:
-        """Work-items of a group that have nothing to share."""
-        return self.device.group_size(_GROUP)
+    def depth(self) -> int:
+        """The level below which nodes are looked at subtree by subtree."""
+        return min(_DEPTH, len(self.shapes) - 1)
 
     @property
     def first(self) -> npt.NDArray[np.int32]:
@@ -176,37 +192,9 @@ class DeviceQuadtree:
         sizes = [rows * columns for rows, columns in self.shapes]
         return np.cumsum([0, *sizes]).astype(np.int32)
 
-    def areas(self, nodes: npt.NDArray[np.int32]) -> npt.NDArray[np.int32]:
-        """Return first row, first column, rows and columns of the cells of nodes; all 0 of -1.
-
-        Returns
-        -------
-        (P, 4) int32
-        """
-        grid, first = self.ground.grid, self.first
-        level = np.searchsorted(first, nodes, side="right") - 1
-        columns = np.array([columns for _, columns in self.shapes])[level]
-        row, column = np.divmod(nodes - first[level], columns)
-        spans = []
-        for place, corners in ((row, grid.corner_rows), (column, grid.corner_columns)):
-            last = len(corners) - 1
-            begin = corners[np.minimum(place << level, last)]
-            spans.append((begin, corners[np.minimum((place + 1) << level, last)] - begin))
-        (top, down), (left, across) = spans
-        areas: npt.NDArray[np.int32] = np.stack([top, left, down, across], axis=1).astype(np.int32)
-        areas[nodes < 0] = 0
-        return areas
-
-    def spread(self, values: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
-        """Return the largest value of the tiles of each node, of one a tile; (N,)."""
-        rows = [values.reshape(self.shapes[0])]
-        for _ in self.shapes[1:]:
-            below = np.pad(rows[-1], [(0, extent % 2) for extent in rows[-1].shape], mode="edge")
-            rows.append(np.fmax.reduce([below[i::2, j::2] for i in (0, 1) for j in (0, 1)]))
-        return np.concatenate([level.ravel() for level in rows])
-
+    @cached_property
     def record(self) -> npt.NDArray[Any]:
-        """Return the ``layout.TREE`` record that kernels take."""
+        """The ``layout.TREE`` record that kernels take."""
         record = np.zeros((), layout.TREE)
         levels = len(self.shapes)
         record["levels"] = levels
@@ -217,17 +205,44 @@ class DeviceQuadtree:
     @property
     def arguments(self) -> dict[str, Any]:
         """What kernels that read ground and nodes take, by the names of their arguments."""
-        return {**self.ground.arguments, "tree": self.record(), "details": self.details}
+        return {**self.ground.arguments, "tree": self.record, "details": self.details}
 
-    def kernel(self, file: str, name: str, **defines: int | float | str) -> Kernel:
-        """Return a kernel of ``kernels/terrain/`` built for this tree."""
+    def run(self, file: str, name: str, items: int, /, **arguments: Any) -> None:
+        """Launch a kernel of ``kernels/terrain/``, a work-item for each of `items`."""
+        self._kernel(file, name)((items,), (_GROUP,), **arguments)
+
+    def run_groups(self, file: str, name: str, count: int, /, **arguments: Any) -> None:
+        """Launch a kernel of ``kernels/terrain/``, a group for each of `count`."""
+        group = self.device.group_size(_NODE_GROUP)
+        self._kernel(file, name)((count * group,), (group,), **arguments)
+
+    def _kernel(self, file: str, name: str) -> Kernel:
+        if (file, name) not in self._kernels:
+            kernel = self.device.kernel(f"terrain/{file}", name, **self._defines)
+            self._kernels[file, name] = kernel
+        return self._kernels[file, name]
+
+    @cached_property
+    def _defines(self) -> dict[str, int]:
         tile = self.ground.grid.tile
-        own = {"TILE": tile, "FINER": lattice_levels(tile), **self.ground.defines}
-        return self.device.kernel(f"terrain/{file}", name, **own, **defines)
+        return {
+            "TILE": tile,
+            "FINER": lattice_levels(tile),
+            "DEPTH": self.depth,
+            "GROUP": self.device.group_size(_NODE_GROUP),
+            "LANES": self.device.lanes,
+            **self.ground.defines,
+        }
 
     @contextmanager
-    def marked(self) -> Iterator[tuple[int, Marks]]:
+    def marked(self, steady: Steady | None = None) -> Iterator[tuple[int, Marks]]:
         """Yield the number of a new mesh, and marks of nodes that nobody else writes meanwhile."""
+        if steady is not None:
+            with steady.lock:
+                stamp, marks = steady.marks if steady.of is self else (0, self._blank())
+                steady.of, steady.marks = self, (stamp + 1, marks)
+                yield stamp + 1, marks
+            return
         with self._lock:
             stamp, marks = self._spare.pop() if self._spare else (0, self._blank())
         try:
@@ -236,15 +251,15 @@ class DeviceQuadtree:
             with self._lock:
                 self._spare.append((stamp + 1, marks))
 
-    def weights(self, of_tiles: DeviceArray | None) -> DeviceArray:
-        """Return a weight a node: the largest of its tiles', 1 where there are none."""
-        weights = self.device.empty(self.count, np.float32).fill(1.0)
+    def weights(self, of_tiles: DeviceArray | None) -> DeviceArray | None:
+        """Return a weight a node, the largest of its tiles'; none where there are none."""
         if of_tiles is None:
-            return weights
+            return None
+        weights = self.device.empty(self.count, np.float32)
         weights.paste(of_tiles, 0)
         for level, (rows, columns) in list(enumerate(self.shapes))[1:]:
-            self.kernel("tree.cl", "lift")(
-                (rows * columns,), (self.group,), tree=self.record(), level=level, weights=weights
+            self.run(
+                "tree.cl", "lift", rows * columns, tree=self.record, level=level, weights=weights
             )
         return weights
 
@@ -252,52 +267,45 @@ class DeviceQuadtree:
         device, count = self.device, self.count
         return Marks(
             marks=device.zeros(count, np.uint32),
-            allowed=device.empty(count, np.float32),
-            costs=device.empty(count, np.float32),
+            allowed=device.empty(count, np.float32).fill(np.nan),
             leaf_of=device.empty(count, np.int32),
         )
 
-    def _look_at(self, analysis: DeviceAnalysis, changed: npt.NDArray[np.int32]) -> None:
-        """Find drifts, ranges and holes of all nodes, where only some tiles have changed."""
-        tiles = analysis.details.host().reshape(-1, 4)
-        tiles[:, 0] = 0.0
-        self.details.write(tiles)
-        finer = lattice_levels(self.ground.grid.tile)
-        for level, (rows, columns) in list(enumerate(self.shapes))[1:]:
-            drifts = self.drifts[level - finer - 1] if level > finer else self.details
-            if level > finer:
-                # a point of the lattice is known to tiles as far as the next ones
-                touched = self._around(changed, 1 << (level - finer))
-                self.kernel("tree.cl", "drift")(
-                    (len(touched),),
-                    (self.group,),
-                    **self.ground.arguments,
-                    level=level,
-                    count=len(touched),
-                    tiles=self.device.array(touched),
-                    drifts=drifts,
-                )
-            self.kernel("tree.cl", "gather")(
-                (rows * columns,),
-                (self.group,),
-                grid=self.ground.grid.record(),
-                tree=self.record(),
+    def _look_at(self, analysis: DeviceAnalysis, changed: tuple[int, int, int, int]) -> None:
+        """Find what is to be known of all nodes, where samples of one window alone have changed."""
+        top, left, bottom, right = changed
+        if self.drifts.size:
+            self.run_groups(
+                "tree.cl",
+                "drift",
+                self.drifts.size,
+                **self.ground.arguments,
+                tree=self.record,
+                top=top,
+                left=left,
+                bottom=bottom,
+                right=right,
+                drifts=self.drifts,
+            )
+        first = self.first
+        for level in range(0, max(len(self.shapes) - 1, 1), _GATHERED):
+            below, last = level + (level > 0), min(level + _GATHERED + 1, len(self.shapes))
+            count = int(first[last] - first[below])
+            self.run(
+                "tree.cl",
+                "gather",
+                count,
+                tree=self.record,
                 level=level,
-                drifts=drifts,
+                count=count,
+                tiles=analysis.details,
+                drifts=self.drifts,
                 details=self.details,
+                deviations=self.deviations,
             )
 
-    def _around(self, tiles: npt.NDArray[np.int32], samples: int) -> npt.NDArray[np.int32]:
-        """Return all tiles that hold a sample so near to those of `tiles`."""
-        grid = self.ground.grid
-        if len(tiles) == grid.count:
-            return tiles
-        rows, columns = np.divmod(tiles, grid.shape[1])
-        ranges = [
-            slice(
-                max(int(corners[numbers.min()]) - samples, 0),
-                min(int(corners[numbers.max() + 1]) + samples, int(corners[-1])) + 1,
-            )
-            for numbers, corners in ((rows, grid.corner_rows), (columns, grid.corner_columns))
-        ]
-        return grid.touching(*ranges)
+
+def _block_count(shapes: tuple[tuple[int, int], ...], finer: int) -> int:
+    """Return how many blocks drifts are found by: ``kernels/terrain/tree.cl``."""
+    levels = range(finer + 1, len(shapes))
+    return sum(prod(shapes[min(level, max(3, level - 5))]) for level in levels)

@@ -11,13 +11,11 @@ Data stays on the device between the stages and comes down once, as a Mesh.
 from __future__ import annotations
 
 import threading
-from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
-from ..arguments import one_of, whole
+from ..arguments import flag, instance, one_of, whole
 from ..camera.camera import Camera
 from ..device import layout
 from ..device.device import Device
@@ -31,14 +29,13 @@ from .analysis import TileAnalysis
 from .buffers import DeviceGround
 from .fitted import HEIGHTS, check_fitted
 from .hull import hull_on_device
-from .ladder import empty_ladder
-from .ladder_file import fingerprint, read_ladder, write_ladder
 from .lod import AnyLod, PromiseLod, Scene, Weighted, checked_lod, unweighted
 from .lod_formulas import UniformLod
 from .lod_promises import ScreenErrorLod
 from .meshing import Tessellated, mesh_of
 from .promise import Promise
 from .queries import heights_on_device, rays_on_device
+from .steady import Steady
 from .tiles import DeviceTiles
 from .turns import Turns
 from .weights import weights_on_device
@@ -55,10 +52,10 @@ class Terrain:
         :meth:`Heightmap.with_detail`, which this is the same as, to the bit, in a fraction of the
         memory. Tiles are then cells of the detail, and errors promised are those of the sum.
     tile : int, optional
-        Cells along a tile, 1 to 63. At 15 the tessellator's factor 15 reproduces the raster.
+        Cells along a tile, 1 to 63. Default: 4, or 15 in a flat grid.
     levels : int, optional
-        Sizes of patches that promises in the partitioning ``"integer"`` are kept with: of 1, 2 x 2,
-        4 x 4, ... tiles. Up to the whole raster where not given; 1 is the flat grid of tiles.
+        Sizes of patches that promises are kept with: of 1, 2 x 2, 4 x 4, ... tiles. Default: up to
+        the whole raster. 1 is the flat grid of the book, which formulas are at their best on.
     plane : {"least_squares", "corners"}, optional
         Which plane deviations are measured from.
     device : Device, optional
@@ -73,7 +70,7 @@ class Terrain:
     Raises
     ------
     InputError
-        If `tile` or `plane` is not one of these, or the detail does not fit the ground.
+        If `tile`, `levels` or `plane` is not one of these, or the detail does not fit the ground.
     DeviceMemoryError
         If the device cannot hold the raster.
 
@@ -88,13 +85,15 @@ class Terrain:
         ground: Heightmap,
         *,
         detail: Heightmap | None = None,
-        tile: int = layout.DEFAULT_TILE,
+        tile: int | None = None,
         levels: int | None = None,
         plane: str = "least_squares",
         device: Device | None = None,
     ) -> None:
         self.levels = None if levels is None else whole("levels", levels, 1, layout.MAX_LEVELS)
-        relief, device = Relief(ground, detail), device or Device.open()
+        if tile is None:
+            tile = layout.FLAT_TILE if self.levels == 1 else layout.DEFAULT_TILE
+        relief, device = Relief(ground, detail), Device.of(device)
         self._tiles = DeviceTiles.of(DeviceGround.upload(relief, tile, device), plane=plane)
         self._turns, self._measuring = Turns(), threading.Lock()
 
@@ -130,50 +129,6 @@ class Terrain:
             ground, rows, columns = self.ground.with_elevations(rows, columns, heights)
             self._tiles, count = self._tiles.updated(ground, rows, columns)
         return count
-
-    def save_ladder(self, path: str | Path) -> Path:
-        """Write the error ladder, which promises are kept with, to a file beside the raster.
-
-        Parameters
-        ----------
-        path : str or pathlib.Path
-            By custom ends in .npz; an existing file is replaced.
-
-        Returns
-        -------
-        pathlib.Path
-            The file.
-
-        Raises
-        ------
-        FileError
-            If the file cannot be written.
-        """
-        path = Path(path)
-        with self._turns.reading():
-            tiles = self._with_ladder()
-            assert tiles.ladder is not None
-            arrays = {name: array.host() for name, array in tiles.ladder.measured().items()}
-        write_ladder(path, fingerprint(tiles.ground.relief, tiles.grid.tile), arrays)
-        return path
-
-    def load_ladder(self, path: str | Path) -> None:
-        """Take the error ladder from a file of :meth:`save_ladder`, instead of measuring it.
-
-        Raises
-        ------
-        FileError
-            If the file cannot be read, or is the ladder of other ground or of other tiles.
-        """
-        with self._turns.changing():
-            tiles = self._tiles
-            ladder = empty_ladder(self.device, tiles.grid)
-            shapes = {name: array.shape for name, array in ladder.measured().items()}
-            key = fingerprint(tiles.ground.relief, tiles.grid.tile)
-            arrays = read_ladder(Path(path), key, shapes)
-            for name, array in ladder.measured().items():
-                array.write(arrays[name])
-            self._tiles = replace(tiles, ladder=ladder)
 
     @property
     def device(self) -> Device:
@@ -216,9 +171,10 @@ class Terrain:
         *,
         lod: AnyLod | None = None,
         edge_rule: str | None = None,
-        partitioning: str = "fractional_odd",
+        partitioning: str | None = None,
         heights: str = "ground",
         cull: bool = True,
+        steady: Steady | None = None,
     ) -> Mesh:
         """Tessellate the terrain as a camera deserves it.
 
@@ -229,21 +185,22 @@ class Terrain:
         lod : Lod, PromiseLod or Weighted, optional
             A formula for the segments that a patch deserves, or an error to keep, or either with
             weights on it. Defaults to ``ScreenErrorLod(1.0)`` for a camera; without one to the
-            raster in full, ``UniformLod`` of the tile's cells: at an odd `tile` every sample is a
-            vertex.
-        edge_rule : {"min", "max", "edge"}, optional
-            Factor of a shared edge: the lower of the two tiles' (the default with a formula, and
-            the book's), the higher, or by the edge's own error (the default with a promise, and
-            for promises alone).
-        partitioning : {"fractional_odd", "fractional_even", "integer", "pow2"}, optional
-            How factors divide a patch. With ``"integer"`` a promise is kept by patches of every
-            size, from a tile to the whole raster, at every whole factor: the fewest triangles.
+            raster in full, ``UniformLod`` of the tile's cells: every sample is a vertex.
+        edge_rule : {"min", "max"}, optional
+            With a formula, the factor of an edge that two tiles share: the lower of theirs (the
+            default, and the book's) or the higher. A promise goes by the edge's own error.
+        partitioning : {"integer", "fractional_odd", "fractional_even", "pow2"}, optional
+            How factors divide a patch. Default: ``"integer"`` with a promise, which is then kept by
+            patches of every size; with a formula ``"fractional_odd"``, which moves smoothly, and
+            ``"integer"`` in tiles of an even number of cells, where it would miss the samples.
         heights : {"ground", "fitted"}, optional
             Whether vertices stand on the ground, or float within the error that is promised, where
             that makes it least: fewer triangles, in more time. For promises in the partitioning
             ``"integer"``. Normals are the ground's.
         cull : bool, optional
             Leave out the patches whose bounds are out of view.
+        steady : Steady, optional
+            What lets the patches of a promise stay as they were in its last mesh.
 
         Returns
         -------
@@ -261,13 +218,30 @@ class Terrain:
         if lod is None:
             lod = UniformLod(self.grid.tile) if camera is None else ScreenErrorLod()
         lod = checked_lod(lod)
+        if camera is not None:
+            instance("a Camera for camera", camera, Camera)
+        bare = unweighted(lod)
+        promised = bare if isinstance(bare, PromiseLod) else None
+        if partitioning is None:
+            even = self.grid.tile % 2 == 0
+            partitioning = "integer" if promised or even else "fractional_odd"
         one_of("partitioning", partitioning, layout.PARTITIONINGS)
+        if promised and edge_rule is not None:
+            raise InputError(
+                f"expected a formula with the edge rule {edge_rule!r}, got {promised}: promises go "
+                "by the edge's own error"
+            )
+        if steady and not (promised and promised.triangles is None and partitioning == "integer"):
+            raise InputError(
+                f"expected an error to keep by patches of every size with {steady}, got "
+                f"{bare} in {partitioning}"
+            )
         one_of("heights", heights, HEIGHTS)
         if heights == "fitted":
-            check_fitted(lod, partitioning)
+            check_fitted(lod, partitioning, steady)
         if camera is None and lod.needs_camera:
             raise InputError(f"{type(lod).__name__} needs a camera, got none")
-        cull = cull and camera is not None
+        cull = flag("cull", cull) and camera is not None
         weighted, lod = lod, unweighted(lod)
         with self._turns.reading(), self.device.timed() as timeline:
             tiles = self._tiles
@@ -280,16 +254,21 @@ class Terrain:
                 )
             if isinstance(lod, PromiseLod):
                 promise = Promise(
-                    tiles, camera, partitioning, edge_rule or "edge", cull, weights, heights
+                    tiles, camera, partitioning, "edge", cull, weights, steady, heights
                 )
                 kept = promise.keep(lod)
-                made, nodes = kept.made, kept.nodes
+                made, drawn = kept.made, kept.drawn
             else:
                 factors = hull_on_device(
-                    tiles, lod, camera, edge_rule=edge_rule or "min", cull=cull, weights=weights
+                    tiles,
+                    lod,
+                    camera,
+                    edge_rule="min" if edge_rule is None else edge_rule,
+                    cull=cull,
+                    weights=weights,
                 )
-                made, nodes = Tessellated.of(tiles.patch_set, factors, partitioning), None
-            return mesh_of(made, *tiles.described(nodes), timeline)
+                made, drawn = Tessellated.of(tiles.patch_set, factors, partitioning), None
+            return mesh_of(made, *tiles.described(drawn), timeline)
 
     def height_at(self, points: npt.ArrayLike) -> npt.NDArray[np.float64]:
         """Return the ground's elevations at points of the world.

@@ -19,6 +19,7 @@ from .analysis import TileAnalysis, analyse_on_device, analyse_tiles
 from .buffers import DeviceAnalysis, DeviceGround, DeviceLadder, DevicePatches, PatchSet
 from .control_points import control_points_on_device, patches_on_device
 from .ladder import ladder_on_device, measure_tiles
+from .leaves import Drawn
 from .lod import Scene
 from .quadtree import DeviceQuadtree
 
@@ -33,8 +34,8 @@ class DeviceTiles:
         Samples, and the grid that cuts them.
     analysis : DeviceAnalysis
         Planes, deviations and ranges.
-    patches : DevicePatches
-        What the hull stage of formulas takes.
+    made_patches : DevicePatches or None
+        :attr:`patches`, where they have been made.
     ladder : DeviceLadder or None
         Errors, which promises of tiles are kept with; None until the first one asks.
     tree : DeviceQuadtree or None
@@ -43,7 +44,7 @@ class DeviceTiles:
 
     ground: DeviceGround
     analysis: DeviceAnalysis
-    patches: DevicePatches
+    made_patches: DevicePatches | None = None
     ladder: DeviceLadder | None = None
     tree: DeviceQuadtree | None = None
 
@@ -51,19 +52,30 @@ class DeviceTiles:
     def of(cls, ground: DeviceGround, *, plane: str = "least_squares") -> DeviceTiles:
         """Analyse every tile."""
         analysis = analyse_on_device(ground, plane=plane)
-        return cls(ground, analysis, patches_on_device(ground, analysis))
+        return cls(ground, analysis)
+
+    @cached_property
+    def patches(self) -> DevicePatches:
+        """What the hull stage of formulas takes, made when the first one asks."""
+        return self.made_patches or patches_on_device(self.ground, self.analysis)
+
+    def _with(self, **changes: Any) -> DeviceTiles:
+        """Return the same with more that is known."""
+        return replace(
+            self, made_patches=self.__dict__.get("patches", self.made_patches), **changes
+        )
 
     def with_ladder(self) -> DeviceTiles:
         """Return the same with every error measured."""
         if self.ladder is not None:
             return self
-        return replace(self, ladder=ladder_on_device(self.ground, self.analysis))
+        return self._with(ladder=ladder_on_device(self.ground, self.analysis))
 
     def with_tree(self, levels: int | None) -> DeviceTiles:
         """Return the same with a quadtree over them, of at most so many levels."""
         if self.tree is not None:
             return self
-        return replace(self, tree=DeviceQuadtree.of(self.ground, self.analysis, levels))
+        return self._with(tree=DeviceQuadtree.of(self.ground, self.analysis, levels))
 
     def updated(self, ground: Heightmap, rows: slice, columns: slice) -> tuple[DeviceTiles, int]:
         """Rewrite the tiles for another heightmap, and say how many were looked at anew.
@@ -79,7 +91,10 @@ class DeviceTiles:
             uploaded = self.ground.updated(relief, rows)
             analyse_tiles(uploaded, self.analysis, changed)
             # corners without data stand at the lowest height there is: all of them may move
-            points = control_points_on_device(uploaded, self.analysis)
+            patches = self._with().made_patches
+            if patches is not None:
+                points = control_points_on_device(uploaded, self.analysis)
+                patches = replace(patches, control_points=points)
             if self.ladder is not None:
                 measure_tiles(uploaded, self.analysis, self.ladder, changed)
             tree = self.tree and self.tree.updated(uploaded, self.analysis, changed)
@@ -88,7 +103,6 @@ class DeviceTiles:
             for array, first, values in before:
                 array.paste(values, first)
             raise
-        patches = replace(self.patches, control_points=points)
         return DeviceTiles(uploaded, self.analysis, patches, self.ladder, tree), len(changed)
 
     def _before(
@@ -137,14 +151,12 @@ class DeviceTiles:
         return TileAnalysis.of(self.grid, self.analysis)
 
     def described(
-        self, nodes: npt.NDArray[np.int32] | None
+        self, drawn: Drawn | None
     ) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.float32]]:
-        """Return areas and deviations of patches: nodes of the tree, or all tiles."""
-        deviation = self.found.deviation.ravel()
-        if nodes is None:
-            return self.grid.areas, deviation
-        assert self.tree is not None  # whose nodes they are
-        return self.tree.areas(nodes), self.tree.spread(deviation)[nodes]
+        """Return areas and deviations of patches: leaves of the tree, or all tiles."""
+        if drawn is None:
+            return self.grid.areas, self.found.deviation.ravel()
+        return drawn.areas, drawn.deviation
 
     @cached_property
     def scene(self) -> Scene:
@@ -155,4 +167,5 @@ class DeviceTiles:
         return Scene(
             diagonal=float(np.hypot(np.hypot(*self.grid.extent), high - low)),
             rough_deviation=float(np.percentile(known, 98)),
+            tile=self.grid.tile,
         )

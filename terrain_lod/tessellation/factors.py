@@ -35,7 +35,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from ..arguments import one_of
+from ..arguments import array, one_of
 from ..device.layout import FIXED_ONE, PARTITIONINGS
 from ..errors import InputError
 
@@ -87,14 +87,14 @@ def checked_factors(
     one_of("domain", domain, DOMAINS)
     one_of("partitioning", partitioning, PARTITIONINGS)
     edge_count, inside_count, _ = DOMAINS[domain]
-    edges = _rows("edge_factors", domain, edge_factors, edge_count)
+    edges = rows_of(f"edge_factors of a {domain}", edge_factors, edge_count)
     if inside_count == 0:
         if inside_factors is not None:
             raise InputError("expected no inside_factors for isolines: leave them out")
         return edges, None
     if inside_factors is None:
         raise InputError(f"expected inside_factors (P, {inside_count}) for a {domain}, got none")
-    insides = _rows("inside_factors", domain, inside_factors, inside_count)
+    insides = rows_of(f"inside_factors of a {domain}", inside_factors, inside_count)
     if len(insides) != len(edges):
         raise InputError(
             f"expected edge and inside factors of as many patches, got {len(edges)} and "
@@ -103,20 +103,11 @@ def checked_factors(
     return edges, insides
 
 
-def _rows(name: str, domain: str, factors: npt.ArrayLike, width: int) -> Factors:
-    """Return `factors` as (P, width) float32."""
-    try:
-        rows = np.asarray(factors)
-    except ValueError:  # rows of different lengths
-        raise InputError(f"expected {name} (P, {width}) for a {domain}, got {factors!r}") from None
-    if rows.shape == (0,):
-        rows = np.empty((0, width))
-    if rows.ndim != 2 or rows.shape[1] != width:
-        raise InputError(f"expected {name} (P, {width}) for a {domain}, got shape {rows.shape}")
-    if rows.dtype.kind not in "biuf":
-        raise InputError(f"expected {name} of real numbers, got an array of {rows.dtype}")
-    with np.errstate(over="ignore"):  # to infinity, which is clamped
-        return np.ascontiguousarray(rows, np.float32)
+def rows_of(name: str, factors: npt.ArrayLike, width: int) -> Factors:
+    """Return `factors` as (P, width) float32; what is beyond that is infinite, and clamped."""
+    if isinstance(factors, list | tuple) and not factors:
+        factors = np.empty((0, width))
+    return array(name, factors, ("P", width), np.float32, is_finite=False)
 
 
 def counts(

@@ -69,7 +69,7 @@ def tessellate(
     one_of("topology", topology, TOPOLOGIES)
     if len(edges) == 0:
         return Pattern.of_nothing(domain, partitioning, DOMAINS[domain].corners)
-    device = device or Device.open()
+    device = Device.of(device)
     pattern = tessellate_device(
         domain,
         device.array(edges),

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..drawing.colours import (
+    LONGEST,
     Colours,
     Stops,
     facing,
@@ -16,12 +17,13 @@ from ..drawing.colours import (
     lit,
     lod_colours,
     ramp,
+    segment_colours,
     sun_direction,
     to_bytes,
 )
 from ..drawing.drape import Drape
 from ..ground.heightmap import Heightmap
-from ..mesh.mesh import Mesh
+from ..mesh.mesh import Mesh, Patches
 
 Bytes = npt.NDArray[np.uint8]
 Sun = tuple[float, float]
@@ -106,6 +108,13 @@ def by_detail(
     colours = lod_colours(edge_factors.mean(axis=1), (1.0, top))
     legend = f"factor of a patch: black 1, blue, green, yellow, red {top:.3g}"
     return Paint(_of_patches(colours, triangle_offsets, mesh, sun), legend)
+
+
+def by_segments(mesh: Mesh, sun: Sun, patches: Patches) -> Paint:
+    """Colour the patches by the cells that their segments span: their size and their factors."""
+    colours = segment_colours(patches.segment_cells)
+    legend = f"cells of a segment: red 1, yellow, green, blue, black {LONGEST:g}"
+    return Paint(_of_patches(colours, patches.triangle_offsets, mesh, sun), legend)
 
 
 def by_deviation(

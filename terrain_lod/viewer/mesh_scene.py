@@ -19,21 +19,10 @@ from ..device.device import Device
 from ..errors import InputError
 from ..files.meshes.bpt import as_nets
 from ..mesh.mesh import Mesh
-from .colours import (
-    Paint,
-    by_normal,
-    of_clay,
-    paper,
-)
+from .colours import Paint, by_normal, of_clay, paper
 from .mesh_settings import BezierSettings, CurvedSettings
 from .rig import triangle_seen
-from .scene import (
-    Frame,
-    Pick,
-    Request,
-    Scene,
-    numbered,
-)
+from .scene import Frame, Pick, Request, Scene, numbered
 from .settings import Settings
 
 # rows are where x, y and z go: y up becomes z up
@@ -138,7 +127,7 @@ class CurvedScene(_Placed):
             )
         used = mesh.vertices[mesh.triangles.ravel()].astype(np.float64) + mesh.origin
         super().__init__(used.min(axis=0), used.max(axis=0))
-        self.mesh, self.device = replace(mesh, textures=None), device or Device.open()
+        self.mesh, self.device = replace(mesh, textures=None), Device.of(device)
         self.settings = CurvedSettings(diagonal=self.diagonal)
         # 1.0 degrees are not True
         self._patched = lru_cache(maxsize=1, typed=True)(self._upload)
@@ -208,7 +197,7 @@ class BezierScene(_Placed):
             raise InputError("expected patches to look at, got none")
         points = self.nets.reshape(-1, 3)
         super().__init__(points.min(axis=0), points.max(axis=0))
-        self.device = device or Device.open()
+        self.device = Device.of(device)
         self.settings = BezierSettings(diagonal=self.diagonal)
 
     def tessellated(self, request: Request) -> MeshFrame:

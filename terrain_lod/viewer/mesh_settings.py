@@ -10,13 +10,7 @@ from ..curved.smooth import NORMALS, SEMI_UNIFORM
 from ..device.layout import PARTITIONINGS
 from ..drawing.picture import SUN_ON_MESHES
 from ..numbered import begin
-from .settings import (
-    SHARED,
-    SUN,
-    Choice,
-    Settings,
-    Slider,
-)
+from .settings import SHARED, SUN, Choice, Settings, Slider
 
 MODES: Final = ("shaded", "wireframe", "lod", "normals")
 

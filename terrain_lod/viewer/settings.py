@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Final, TypeVar
 
-from ..arguments import finite, one_of
+from ..arguments import finite, flag, one_of, text
 from ..device.layout import PARTITIONINGS
 from ..numbered import Number, numbers_of, with_number
 
@@ -231,17 +231,18 @@ class Settings(ABC):
         InputError
             If there is no such setting, or it cannot have that value.
         """
-        if self._holder(name) is None:
+        if self._holder(text("setting", name)) is None:
             known = [choice.name for choice in self.choices]
             one_of("setting", name, [*known, *(slider.name for slider in self.numbers)])
         for choice in self.choices:
-            if choice.name == name and isinstance(choice.values[0], str):
-                one_of(name, value, choice.values)
+            if choice.name == name:
+                words = isinstance(choice.values[0], str)
+                value = one_of(name, value, choice.values) if words else flag(name, value)
         for slider in self.numbers:
             if slider.name == name and self._has_slider(name):
                 value = slider.nearest(value)
         if self._holder(name) is not None:
-            return self._with_number(name, value)
+            return self._with_number(name, finite(name, value))
         return replace(self, **{name: value})
 
     def next(self: _Own, name: str) -> _Own:

@@ -14,13 +14,7 @@ import numpy.typing as npt
 from ..camera.camera import Camera
 from ..drawing.colours import to_bytes
 from ..drawing.graphics import require_graphics
-from ..drawing.picture import (
-    HORIZON,
-    INK,
-    ZENITH,
-    Picture,
-    stand,
-)
+from ..drawing.picture import HORIZON, INK, ZENITH, Picture, stand
 
 if TYPE_CHECKING:
     import pyvista

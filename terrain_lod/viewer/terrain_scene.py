@@ -11,10 +11,10 @@ import numpy.typing as npt
 from ..camera.camera import Camera, Point
 from ..camera.viewpoint import default_camera
 from ..device.device import Device
-from ..device.layout import DEFAULT_TILE
 from ..ground.heightmap import Heightmap
 from ..measure.error import vertical_error
 from ..measure.screen_error import screen_error
+from ..terrain.steady import Steady
 from ..terrain.terrain import Terrain
 from .colours import (
     Paint,
@@ -22,19 +22,16 @@ from .colours import (
     by_error,
     by_height,
     by_normal,
+    by_segments,
     paper,
 )
 from .rig import ground_seen, height_at
-from .scene import (
-    Frame,
-    Pick,
-    Request,
-    Scene,
-    numbered,
-)
+from .scene import Frame, Pick, Request, Scene, numbered
 from .terrain_settings import TerrainSettings
 
-_LARGE: Final = 2**22  # samples beyond which the number of small tiles costs more than they save
+# samples beyond which many small tiles cost more than they save, and the tiles of such ground
+_LARGE: Final = 2**22
+_LARGE_TILE: Final = 8
 
 
 @dataclass(frozen=True)
@@ -123,7 +120,8 @@ class TerrainFrame(Frame):
             case "wireframe":
                 return paper(mesh)
             case "lod":
-                return self.by_detail(self.settings.tile)
+                assert mesh.patches is not None
+                return by_segments(mesh, sun, mesh.patches)
             case "deviation":
                 patches, rough = mesh.patches, self.terrain.scene.rough_deviation
                 assert patches is not None
@@ -182,19 +180,24 @@ class TerrainScene(Scene):
     Parameters
     ----------
     ground : Heightmap
+    levels : int, optional
+        As for :class:`terrain_lod.Terrain`.
     device : Device, optional
     """
 
     settings: TerrainSettings
 
-    def __init__(self, ground: Heightmap, *, device: Device | None = None) -> None:
-        self.ground, self.device = ground, device or Device.open()
+    def __init__(
+        self, ground: Heightmap, *, levels: int | None = None, device: Device | None = None
+    ) -> None:
+        self.ground, self.levels, self.device = ground, levels, Device.of(device)
         self.centre = ground.centre
         self.diagonal = float(np.hypot(*ground.extent))
         self.settings = TerrainSettings(diagonal=self.diagonal)
         if ground.heights.size > _LARGE:
-            self.settings = self.settings.with_tile(DEFAULT_TILE)
+            self.settings = self.settings.with_tile(_LARGE_TILE)
         self._terrain: Terrain | None = None
+        self._steady = Steady()
 
     def camera(self) -> Camera:
         return default_camera(self.ground)
@@ -211,7 +214,7 @@ class TerrainScene(Scene):
     def terrain(self, tile: int) -> Terrain:
         """Return the ground's terrain with tiles of `tile` cells, made when that changes."""
         if self._terrain is None or self._terrain.grid.tile != tile:
-            self._terrain = Terrain(self.ground, tile=tile, device=self.device)
+            self._terrain = Terrain(self.ground, tile=tile, levels=self.levels, device=self.device)
         return self._terrain
 
     def tessellated(self, request: Request) -> TerrainFrame:
@@ -223,6 +226,7 @@ class TerrainScene(Scene):
             lod=settings.detail(),
             edge_rule=settings.usable_edge_rule,
             partitioning=settings.partitioning,
+            steady=self._steady if settings.can_be_steady else None,
         )
         patches, achieved = mesh.patches, mesh.achieved
         assert patches is not None

@@ -6,25 +6,16 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from ..arguments import whole
-from ..device.layout import MAX_TILE
+from ..device.layout import DEFAULT_TILE, MAX_TILE
 from ..numbered import TILE, begin, numbers_of, with_number
-from ..terrain.lod import WEIGHTS, AnyLod, Lod, PromiseLod, Weighted
+from ..terrain.lod import WEIGHTS, AnyLod, Lod, PromiseLod, Weighted, unweighted
 from ..terrain.lod_formulas import UniformLod
 from ..terrain.lods import LODS
-from .settings import (
-    SHARED,
-    SUN,
-    Choice,
-    Settings,
-    Slider,
-    slider_of,
-)
+from .settings import SHARED, SUN, Choice, Settings, Slider, slider_of
 
 MODES: Final = ("shaded", "wireframe", "lod", "deviation", "error", "normals")
-# each half as many again: kernels are built for each, which takes a second or two the first time
-TILES: Final = (3, 5, 7, 11, 15, 21, 31, 45, 63)
-# small tiles follow a view closely, with fewer triangles for its error: docs/promises.md
-_TILE: Final = 7
+# each a third or half as many again: kernels are built for each, which takes a second or two once
+TILES: Final = (3, 4, 6, 8, 11, 15, 21, 31, 45, 63)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,7 +28,7 @@ class TerrainSettings(Settings):
         Weights of tiles against the sky and of tiles seen edge on; see
         :class:`terrain_lod.Weighted`.
     edge_rule : str
-        Rule for the factors of shared edges.
+        Rule for the factors that formulas give to shared edges.
     tile : int
         Cells along a tile.
     """
@@ -45,8 +36,9 @@ class TerrainSettings(Settings):
     lod: str = "screen-error"
     horizon: float = 1.0
     silhouette: float = 1.0
-    edge_rule: str = "edge"
-    tile: int = _TILE
+    edge_rule: str = "min"
+    partitioning: str = "integer"
+    tile: int = DEFAULT_TILE
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "tile", whole("tile", self.tile, 1, MAX_TILE))
@@ -55,14 +47,15 @@ class TerrainSettings(Settings):
             object.__setattr__(self, "formulas", begun)
 
     def __str__(self) -> str:
-        return f"{super().__str__()}, edge rule {self.usable_edge_rule}, tiles of {self.tile}"
+        rule = "" if self.usable_edge_rule is None else f", edge rule {self.edge_rule}"
+        return f"{super().__str__()}{rule}, tiles of {self.tile}"
 
     @property
     def choices(self) -> tuple[Choice, ...]:
         return (
             Choice("mode", "m", MODES),
             Choice("lod", "l", tuple(self.formulas), "level of detail"),
-            Choice("edge_rule", "e", ("edge", "min", "max"), "factor of shared edges"),
+            Choice("edge_rule", "e", ("min", "max"), "factor of shared edges"),
             *SHARED,
         )
 
@@ -89,10 +82,17 @@ class TerrainSettings(Settings):
         return self.with_tile(new.tile) if name == "tile" else new
 
     @property
-    def usable_edge_rule(self) -> str:
-        """The edge rule, as far as the level of detail has it."""
+    def usable_edge_rule(self) -> str | None:
+        """The edge rule, where the level of detail is a formula."""
         promises = self.tessellated and isinstance(self.formulas[self.lod], PromiseLod)
-        return self.edge_rule if promises or self.edge_rule != "edge" else "min"
+        return None if promises else self.edge_rule
+
+    @property
+    def can_be_steady(self) -> bool:
+        """Whether patches can stay as they are from one mesh to the next."""
+        lod = unweighted(self.detail())
+        promised = isinstance(lod, PromiseLod) and lod.triangles is None
+        return promised and self.partitioning == "integer"
 
     def detail(self) -> AnyLod:
         """Return the level of detail."""

@@ -13,6 +13,7 @@ from typing import Any, Final
 
 import numpy.typing as npt
 
+from ..arguments import file_path, instance
 from ..camera.camera import Camera
 from ..device.device import Device
 from ..errors import GraphicsError
@@ -63,11 +64,13 @@ def view(
         If there is no display, or nothing can be drawn.
     """
     model = _model(what, settings, device)
+    path = None if record is None else file_path("record", record)
+    eye = _eye(camera, model)
     require_display()
-    window = Window(model, camera or model.scene.camera())
+    window = Window(model, eye)
     try:
         controls = Controls(window)
-        controls.record(None if record is None else Path(record))
+        controls.record(path)
         interactor = window.plotter.iren.interactor
         interactor.Initialize()
         interactor.AddObserver("TimerEvent", lambda *_: controls.pump())
@@ -116,8 +119,8 @@ def look(
         If nothing can be drawn.
     """
     model = _model(what, settings, device)
-    movie = None if record is None else Movie(record)
-    window = Window(model, camera or model.scene.camera(), off_screen=True)
+    movie = None if record is None else Movie(file_path("record", record))
+    window = Window(model, _eye(camera, model), off_screen=True)
     try:
         window.settle(measured=True)
         if picture is not None:
@@ -171,9 +174,14 @@ def _model(
     else:
         scene = scene_of(what, device=device)
         model = Model(lambda: scene)
-    for name, value in (settings or {}).items():
+    given = instance("a dict for settings", {} if settings is None else settings, Mapping)
+    for name, value in given.items():
         model.scene.settings = model.scene.settings.changed(name, value)
     return model
+
+
+def _eye(camera: Camera | None, model: Model) -> Camera:
+    return model.scene.camera() if camera is None else instance("a Camera", camera, Camera)
 
 
 @contextmanager

@@ -38,16 +38,16 @@ def test_fields_come_as_they_are_and_null_is_not_given(tmp_path: Path) -> None:
 
 
 BAD = [
-    ({"size": 5}, "expected a size of width and height, got 5"),
-    ({"size": [5]}, "expected a size of width and height"),
+    ({"size": 5}, r"expected size as \(width, height\), got 5"),
+    ({"size": [5]}, r"expected size as \(width, height\), got \[5\]"),
     ({"size": [5, "x"]}, "expected a number for size, got 'x'"),
     ({"size": [5, 2.5]}, "expected a whole number"),
     ({"size": [5, [5]]}, "expected a number for size"),
     ({"eye": None}, "expected a camera"),
-    ({"eye": "here"}, "expected x, y, z for eye"),
+    ({"eye": "here"}, r"expected eye as \(x, y, z\), got 'here'"),
     ({"eye": [1, 2, None]}, "expected a number for eye, got None"),
-    ({"target": {"x": 1}}, "expected x, y, z for target"),
-    ({"up": 1}, "expected x, y, z for up"),
+    ({"target": {"x": 1}}, r"expected target as \(x, y, z\)"),
+    ({"up": 1}, r"expected up as \(x, y, z\), got 1"),
     ({"far": "x"}, "expected a number for far, got 'x'"),
     ({"far": [9]}, "expected a number for far"),
     ({"far": math.nan}, "expected a finite far"),

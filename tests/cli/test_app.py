@@ -86,20 +86,23 @@ def test_mesh(ground, capsys, ending):
     assert run(["mesh", ground, "-o", f"hills{ending}"]) == 0
     assert files() == [f"hills{ending}"]
     out = capsys.readouterr().out
-    assert "0 of 20 patches left out" in out
+    assert ", 0 of " in out
     assert "RMS" in out
     assert "watertight" in out
 
 
 def test_mesh_is_culled_where_asked(ground, capsys):
     away = ["--eye", "40,-100,50", "--target", "40,-30,0", "--fov", "10"]
-    assert run(["mesh", ground, "-o", "part.ply", "--cull", *away]) == 0
-    assert ", 0 of 20" not in capsys.readouterr().out
+    counts = []
+    for cull in (["--cull"], []):
+        assert run(["mesh", ground, "-o", "part.ply", *cull, *away]) == 0
+        counts.append(int(capsys.readouterr().out.split()[1].replace(",", "")))
+    assert 0 < counts[0] < counts[1] / 2
 
 
 def test_detail_is_laid_over_the_ground(ground, capsys):
     np.save("in/bumps.npy", np.random.default_rng(0).normal(size=(9, 8)))
-    options = ["--spacing", "3", "--lod", "max-error", "--metres", "0.5"]
+    options = ["--spacing", "3", "--lod", "max-error", "--metres", "0.5", "--levels", "1"]
     assert run(["mesh", ground, "-o", "hills.glb", *options]) == 0
     assert "0 of 20 patches left out" in capsys.readouterr().out
     assert run(["mesh", ground, "-o", "hills.glb", "--detail", "in/bumps.npy", *options]) == 0
@@ -123,9 +126,9 @@ def test_lods_and_their_options_reach_the_mesh(ground, capsys):
     near = triangles("--lod", "distance", "--near", "1e6", "--far", "2e6")
     assert triangles("--lod", "distance", "--near", "1e6", "--far", "2e6", "--maximum", "5") < near
     assert triangles("--lod", "distance", "--far", "1") < near
-    flat = ("--lod", "coplanarity", "--flat-weight", "1", "--near", "1e6", "--far", "2e6")
+    flat = ("--lod", "book-coplanarity", "--flat-weight", "1", "--near", "1e6", "--far", "2e6")
     assert triangles(*flat) == near
-    coplanarity = ("--lod", "coplanarity", "--edge-rule")
+    coplanarity = ("--lod", "coplanarity", "--pixels", "300", "--edge-rule")
     assert triangles(*coplanarity, "max") > triangles(*coplanarity, "min")
     assert triangles("--pixels", "9") < triangles("--lod", "screen-error")
     assert triangles("--lod", "max-error", "--metres", "9") < triangles(
@@ -328,7 +331,7 @@ def test_bad_option(ground, capsys, command, options, message):
         (["--lod", "max-error"], "expected --metres with --lod max-error, got none"),
         (["--lod", "max-error", "--metres", "0"], "metres > 0, got 0"),
         (["--pixels", "nan"], "finite pixels, got nan"),
-        (["--lod", "budget", "--triangles", "3"], "budget of at least"),
+        (["--lod", "budget", "--triangles", "1"], "budget of at least 2 triangles"),
         (["--lod", "magic"], "unknown level of detail 'magic': expected one of screen-error"),
     ],
 )
@@ -448,6 +451,7 @@ def test_help_loads_nothing_heavy():
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="breaks the driver as glvnd lets one")
+@pytest.mark.slow
 def test_program_without_opengl_does_all_but_pictures(ground):
     broken = {"__EGL_VENDOR_LIBRARY_FILENAMES": "/nonexistent", "DISPLAY": ""}
     picture = terrain_lod("render", ground, "-o", "view.png", **broken)

@@ -53,7 +53,7 @@ def test_every_level_of_detail_and_every_partitioning(capsys) -> None:
 
 
 def test_fitted_heights(capsys) -> None:
-    promise = ["--lod", "max-error", "--metres", "1", "--tile", "4", "--partitioning", "integer"]
+    promise = ["--lod", "max-error", "--metres", "1", "--tile", "4"]
     assert made(capsys, *promise, "--heights", "fitted") < 0.8 * made(capsys, *promise)
     wanted = ["mesh", "hills.npy", "-o", "none.ply", "--heights", "fitted"]
     for options, what in (
@@ -66,7 +66,7 @@ def test_fitted_heights(capsys) -> None:
 
 
 def test_weights_weigh_what_was_asked_for(capsys) -> None:
-    terrain = tl.Terrain(tl.load("hills.npy"))
+    terrain = tl.Terrain(tl.load("hills.npy"), levels=1)
     camera = tl.default_camera(terrain.ground)
     lod = tl.Weighted(tl.DistanceLod(), horizon=1.0, silhouette=6.0)
     expected = len(terrain.mesh(camera, lod=lod, cull=False).triangles)
@@ -152,16 +152,16 @@ def test_own_class_in_the_comparison(monkeypatch) -> None:
     [
         ["--lod", "in/mine.py:SlopeLod", "--segments", "3"],
         ["--lod", "area", "--pixels", "4", "--partitioning", "pow2", "--horizon", "2"],
-        ["--lod", "coplanarity", "--full-deviation", "3"],  # which has no slider
+        ["--lod", "book-coplanarity", "--full-deviation", "3"],  # which has no slider
     ],
-    ids=["own", "area", "coplanarity"],
+    ids=["own", "area", "book"],
 )
 def test_view_begins_with_what_was_asked_for(capsys, options) -> None:
     command = ["view", "hills.npy", "--off-screen", "-o", "view.png", *SMALL, *options]
     assert run(command) == 0
     out = capsys.readouterr().out
     assert out.startswith(options[1])
-    assert ("pow2" if "pow2" in options else "fractional_odd") in out
+    assert ("pow2" if "pow2" in options else "integer") in out
 
 
 def test_own_formula_for_edges_in_smooth(capsys) -> None:

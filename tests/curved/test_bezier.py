@@ -223,9 +223,9 @@ def test_no_file_and_no_text_are_refused(tmp_path):
     [
         (np.zeros((2, 5, 4, 3)), {}, r"got shape \(2, 5, 4, 3\)"),
         (np.zeros((4, 4, 3)), {}, r"patches \(P, 4, 4, 3\)"),
-        ([[1, 2], [3]], {}, "16 control points"),
-        (np.full((2, 16, 3), np.nan), {}, "finite control points, got others in patch 0"),
-        (np.full((1, 16, 3), 1e39), {}, "within float32, got 1e"),
+        ([[1, 2], [3]], {}, "patches as real numbers"),
+        (np.full((2, 16, 3), np.nan), {}, r"finite patches, got nan at \[0, 0, 0\]"),
+        (np.full((1, 16, 3), 1e39), {}, "control points that float32 can hold, got 1e"),
         (np.zeros((1, 16, 3)), {"factor": 0}, "factor > 0, got 0"),
         (np.zeros((1, 16, 3)), {"factor": np.nan}, "finite factor"),
         (np.zeros((1, 16, 3)), {"partitioning": "odd"}, "unknown partitioning 'odd': expected one"),

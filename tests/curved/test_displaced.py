@@ -148,25 +148,28 @@ def test_wrong_arguments() -> None:
     mesh = cube()
     textures = np.zeros((24, 2))
     for call, message in (
-        (lambda: displace(mesh, np.zeros(3), textures), "map of finite heights"),
-        (lambda: displace(mesh, ROUGH, textures[:5]), "one pair a vertex"),
+        (lambda: displace(mesh, np.zeros(3), textures), "heights of a map of shape"),
+        (
+            lambda: displace(mesh, ROUGH, textures[:5]),
+            r"of shape \(24, 2\), got \(5, 2\)",
+        ),
         (lambda: displace(mesh, ROUGH), "got none, and the mesh has none"),
         (lambda: displace(mesh, ROUGH, textures, 0.5), "factor from 1"),
         (lambda: displace(mesh, ROUGH, textures, scale=np.nan), "finite scale"),
         (lambda: variation_factors(mesh, ROUGH, textures, tolerance=0), "tolerance > 0"),
-        (lambda: dent(mesh, [], np.full((2, 2), np.nan), 5), "map of finite heights"),
+        (lambda: dent(mesh, [], np.full((2, 2), np.nan), 5), "finite heights of a map"),
         (lambda: dent(mesh, [], BOWL, 99), "factor from 1 to 64"),
         (lambda: Decal((0, 0, 0), (0, 0, 2), (1, 0, 0), 1), "normal of length 1"),
         (lambda: Decal((0, 0, 0), (0, 0, 1), (1, 0, 0), 0), "radius > 0"),
         (lambda: Decal((0, 0, np.nan), (0, 0, 1), (1, 0, 0), 1), "finite point"),
         (lambda: Decal((0, 0, 0), (0, np.nan, 1), (1, 0, 0), 1), "finite normal"),
-        (lambda: Decal((0, 0, 0), (0, 0, 1), None, 1), "x, y, z for tangent"),  # type: ignore[arg-type]
-        (lambda: dent(mesh, [None], BOWL), "expected decals, got None at 0"),  # type: ignore[list-item]
+        (lambda: Decal((0, 0, 0), (0, 0, 1), None, 1), r"tangent as \(x, y, z\), got None"),  # type: ignore[arg-type]
+        (lambda: dent(mesh, [None], BOWL), "a Decal for each of decals, got None"),  # type: ignore[list-item]
         (lambda: shoot(mesh, (0, 0, 0), (0, 0, 0), 1), "expected directions"),
         (lambda: shoot(mesh, (0, np.nan, 0), (0, 0, 1), 1), "expected finite origins"),
         (lambda: shoot(mesh, (0, 0, 0), (0, np.inf, 1), 1), "expected finite directions"),
         (lambda: shoot(mesh, (9, 9, 9), (0, 0, 1), np.nan), "finite radius"),
-        (lambda: shoot(mesh, (0, 0, 0), (0, 0, 1), [1, 2]), "one a ray"),
+        (lambda: shoot(mesh, (0, 0, 0), (0, 0, 1), [1, 2]), r"radius of shape \(1,\)"),
     ):
         with pytest.raises(tl.InputError, match=message):
             call()

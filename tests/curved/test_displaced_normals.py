@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -28,10 +29,12 @@ from terrain_lod.curved.patch_factors import (
 from terrain_lod.curved.smooth import pn_triangles
 from terrain_lod.device.device import Device
 from terrain_lod.device.layout import DECAL
+from terrain_lod.drawing.render import render
 from terrain_lod.errors import InputError
 from terrain_lod.measure.cracks import crack_report
 from terrain_lod.mesh.mesh import Mesh
 from terrain_lod.mesh.open_edges import weld
+from terrain_lod.mesh.vertices import DeviceVertices
 from terrain_lod.reference.curved import displaced as reference
 
 WAVES = np.sin(np.arange(32) / 32 * 4 * np.pi)[:, None] * np.cos(np.arange(32) / 32 * 4 * np.pi)
@@ -190,12 +193,74 @@ def test_points_asked_together_move_as_each_alone(count):
     records["point"] = random.uniform(-1, 1, (7, 3))
     records["normal"], records["tangent"] = (0, 0, 1), (1, 0, 0)
     records["radius"], records["scale"] = 0.4, 0.2
-    together = Device.open().array(positions)
-    dent_on_device(together, records, BOWL)
-    for position, found in zip(positions, together.host(), strict=True):
-        alone = Device.open().array(position[None])
-        dent_on_device(alone, records, BOWL)
-        np.testing.assert_array_equal(alone.host()[0], found)
+
+    def dented(positions):
+        device, normals = Device.open(), np.full(positions.shape, 0.6, np.float32)
+        vertices = DeviceVertices(device.array(positions), device.array(normals))
+        dent_on_device(vertices, records, BOWL)
+        return np.concatenate([vertices.positions.host(), vertices.normals.host()], axis=1)
+
+    for position, found in zip(positions, dented(positions), strict=True):
+        np.testing.assert_array_equal(dented(position[None])[0], found)
+
+
+def test_normals_are_those_of_the_dented_triangles():
+    mesh = torus(48, 24)
+    decals = hits(mesh, 12, 0.4)
+    found = dent(mesh, decals, BOWL, 25, curved=True)
+    expected = reference.renewed_normals(found.vertices, found.normals, found.triangles)
+    away = np.linalg.norm(found.vertices[:, None] - [decal.point for decal in decals], axis=2).min(
+        axis=1
+    )
+    # a bowl's rim has an edge, where triangles take the mean of both sides
+    smooth = (away < 0.3) | (away > 0.5)
+    assert np.median(angles(found.normals, expected)[smooth]) < 3
+    assert np.median(angles(found.normals, expected)[away < 0.3]) < 3
+
+
+def test_normals_where_refined_patches_end_are_the_same_on_both_sides():
+    mesh = torus(24, 12)
+    decals = hits(mesh, 9, 0.3)
+    few, all_of_it = dent(mesh, decals, BOWL, 9), dent(mesh, decals, BOWL, 9, elsewhere=9)
+    known = {
+        tuple(at): normal
+        for at, normal in zip(all_of_it.vertices.tolist(), all_of_it.normals, strict=True)
+    }
+    found = [
+        (normal, known[tuple(at)])
+        for at, normal in zip(few.vertices.tolist(), few.normals, strict=True)
+        if tuple(at) in known
+    ]
+    assert len(found) > 0.9 * len(few.vertices)
+    np.testing.assert_allclose(*map(np.array, zip(*found, strict=True)), atol=1e-6)
+
+
+@pytest.mark.parametrize("lod", [None, LengthFactor(pixels=20)], ids=["factor", "lod"])
+def test_a_camera_refines_less_and_shows_the_same(lod):
+    mesh = torus(24, 12)
+    decals = hits(mesh, 40, 0.3)
+    saved = 0
+    for eye in ((7, 0, 1), (0, 4, 5), (3, 3, 0.2)):
+        camera = Camera(eye, (2, 1, 0), fov=40, size=(320, 240), near=0.01)
+        how = {"lod": lod, "camera": camera}
+        whole = dent(mesh, decals, BOWL, cull=False, **how)
+        some = dent(mesh, decals, BOWL, back_faces=0, **how)
+        assert not crack_report(some, closed=True)
+        saved += len(whole.triangles) - len(some.triangles)
+        one, other = (render(each, camera=camera, style="plain") for each in (whole, some))
+        np.testing.assert_array_equal(one, other)
+    assert saved > (0.4 if lod is None else 0.1) * 3 * len(whole.triangles)
+
+
+def test_raised_decals_are_refined_wherever_they_are():
+    mesh, camera = torus(24, 12), Camera((7, 0, 1), (0, 0, 0), near=0.01)
+    up, down = (hits(mesh, 20, 0.3) for _ in range(2))
+    up = [replace(decal, scale=-0.05) for decal in up]
+    counts = [
+        len(dent(mesh, decals, BOWL, camera=camera, back_faces=0).triangles)
+        for decals in (up, down)
+    ]
+    assert counts[0] > counts[1]
 
 
 def test_a_dented_displaced_mesh_stays_closed():

@@ -285,7 +285,7 @@ def test_a_threshold_keeps_more() -> None:
         ({"factor": 0.5}, "factor from 1 to 64"),
         ({"factor": float("nan")}, "finite factor"),
         ({"factor": np.ones((2, 3))}, "shape"),
-        ({"factor": np.zeros((12, 3))}, "factors from 1 to 64"),
+        ({"factor": np.zeros((12, 3))}, "factor from 1 to 64, got 0"),
         ({"factor": 3, "lod": UniformFactor(3)}, "both"),
         ({"lod": LengthFactor()}, "needs a camera"),
         ({"normals": "cubic"}, "unknown normals"),

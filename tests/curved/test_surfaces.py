@@ -131,7 +131,7 @@ def test_every_header_has_its_row_and_every_row_its_header():
         (lambda: surface("superquadric", along=2.5), "along from 0.1 to 2, got 2.5"),
         (lambda: surface("helicoid", turns=1.3), "a multiple of 0.5 for turns, got 1.3"),
         (lambda: surface("sphere", patches=(0, 4)), "whole number from 1 to 16384 for patches"),
-        (lambda: surface("sphere", patches=4), "two numbers for patches, got 4"),
+        (lambda: surface("sphere", patches=4), r"patches as \(along u, along v\), got 4"),
         (lambda: surface("sphere", factor=-1), "factor > 0, got -1"),
         (lambda: surface("sphere", partitioning="even"), "unknown partitioning 'even'"),
         (lambda: curve("circle"), "unknown curve 'circle': expected one of helix"),

@@ -93,7 +93,7 @@ def test_cameras_of_a_file_are_met_and_joined(tmp_path):
         ("{}", "a list of cameras"),
         ("[]", "a list of cameras"),
         ('[{"eye": [0, 0, 1]}]', "in camera 0"),
-        ('[{"eye": [0, 0, 1], "target": [0, 0]}]', "x, y, z for target"),
+        ('[{"eye": [0, 0, 1], "target": [0, 0]}]', r"target as \(x, y, z\)"),
         ("[7]", "in camera 0"),
     ],
 )
@@ -283,6 +283,7 @@ def test_command(tmp_path, monkeypatch, capsys):
 
 
 @needs_graphics
+@pytest.mark.slow
 def test_example(tmp_path):
     child = subprocess.run(
         [

@@ -162,6 +162,7 @@ def test_accessor_keeps_texture_coordinates():
 @pytest.mark.skipif(
     graphics_problem() is not None, reason=f"no notebook tested: {graphics_problem()}"
 )
+@pytest.mark.slow
 def test_the_example_notebook_runs():
     nbclient = pytest.importorskip("nbclient", reason="no notebook tested: nbclient is missing")
     import nbformat

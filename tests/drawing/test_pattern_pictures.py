@@ -206,7 +206,7 @@ def test_the_command_animates(tmp_path):
         ("--edge-factors 3,5 -o a.svg", "for --edge-factors of a quad, got (3.0, 5.0)"),
         ("--inside-factors 1,2,3 -o a.svg", "1 or 2 numbers for --inside-factors of a quad"),
         ("--domain isoline --inside-factors 3 -o a.svg", "no --inside-factors for isoline"),
-        ("--partitioning semi_uniform -o a.svg", "expected --domain triangle with semi_uniform"),
+        ("--domain isoline --partitioning semi_uniform -o a.svg", "--domain triangle or quad"),
         ("-o a.gif", "expected --sweep LOW,HIGH with a .gif"),
         ("-o a.bmp", "unknown picture format '.bmp'"),
         ("--sweep 1,4 -o a.svg", "unknown animation format '.svg'"),

@@ -279,7 +279,7 @@ def test_sun_stands_clockwise_from_north():
             r"factor_range that rises, got \(3.0, 3.0\)",
         ),
         ({"height_range": (5.0, -5.0)}, r"height_range that rises, got \(5.0, -5.0\)"),
-        ({"sun": (float("nan"), 40.0)}, "finite sun azimuth"),
+        ({"sun": (float("nan"), 40.0)}, "finite sun"),
     ],
 )
 def test_bad_option_is_refused(options, message):

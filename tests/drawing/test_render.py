@@ -68,7 +68,7 @@ def test_what_does_not_fit_is_refused_before_any_work(tmp_path: Path) -> None:
     ground = rough()
     mesh = tl.Terrain(ground).mesh(lod=tl.UniformLod(1))
     for what, options, message in (
-        (ground.heights, {}, "expected ground, a terrain or a mesh, got ndarray"),
+        (ground.heights, {}, "expected ground, a terrain or a mesh, got an array of shape"),
         (mesh, {"lod": tl.UniformLod(1)}, "expected ground with lod="),
         (mesh, {"texture": "red.png"}, "expected ground with texture="),
         (mesh, {"device": tl.Device.open()}, "expected ground with device="),

@@ -28,7 +28,7 @@ from terrain_lod.files.rasters.loading import load
         (np.full((3, 3), np.nan), "no data at all"),
         (np.array([[1, np.inf], [0, 0]]), "got inf at [0, 1]"),
         (np.array([[1, 0], [-np.inf, 0]]), "got -inf at [1, 0]"),
-        (np.array([[1, 2], [3, 4j]]), "expected real heights"),
+        (np.array([[1, 2], [3, 4j]]), "heights as real numbers"),
     ],
 )
 def test_no_ground(tmp_path: Path, values: np.ndarray, words: str) -> None:
@@ -41,7 +41,9 @@ def test_no_ground(tmp_path: Path, values: np.ndarray, words: str) -> None:
     [
         ({"spacing": 0}, "spacing > 0, got 0"),
         ({"spacing": (30, -1)}, "spacing > 0, got -1"),
-        ({"spacing": (1, 2, 3)}, "one or two numbers for spacing, got 3"),
+        ({"spacing": 1e39}, "spacing from 1e-18 to 1e+18, got 1e+39"),
+        ({"spacing": (1, 1e-320)}, "spacing from 1e-18 to 1e+18, got 9.99989e-321"),
+        ({"spacing": (1, 2, 3)}, "spacing as (x, y), got (1, 2, 3)"),
         ({"spacing": float("nan")}, "finite spacing"),
         ({"spacing": "wide"}, "spacing"),
         ({"height_range": (9, 3)}, "from low to high, got 9 to 3"),

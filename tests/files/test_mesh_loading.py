@@ -264,7 +264,7 @@ def test_files_that_are_not_there_or_unknown(tmp_path):
         load_mesh(tmp_path / "missing.ply")
     with pytest.raises(FileError, match="expected a mesh file, got none at"):
         load_mesh(tmp_path)
-    with pytest.raises(FileError, match="expected a mesh file, got none at"):
+    with pytest.raises(FileError, match="File name too long"):
         load_mesh(tmp_path / ("x" * 300 + ".ply"))
     (tmp_path / "what.fbx2").write_text("?")
     with pytest.raises(InputError, match=r"unknown mesh format '\.fbx2': expected \.glb, "):

@@ -60,6 +60,7 @@ class TestBundled:
 
     # the others take up to a minute each; these run the same code
     @pytest.mark.parametrize("name", ["city", "islands"])
+    @pytest.mark.slow
     def test_is_made_again_bit_for_bit(self, name: str) -> None:
         again, height_range = make.samples(make.GROUNDS[name])
         np.testing.assert_array_equal(again, units(name))

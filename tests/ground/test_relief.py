@@ -192,7 +192,7 @@ def holes_in(detail: tl.Heightmap) -> tl.Heightmap:
 @pytest.mark.parametrize(
     ("detail", "message"),
     [
-        (np.zeros((5, 5)), "detail as a Heightmap, got ndarray"),
+        (np.zeros((5, 5)), "a Heightmap for detail, got an array of shape"),
         (tl.Heightmap(np.zeros((4, 4)), spacing=(7, 20)), r"spacing divides .* 30 x 20, .* 7 x 20"),
         (tl.Heightmap(np.zeros((4, 4)), spacing=(10, 40)), "got 10 x 40"),
         (tl.Heightmap(np.zeros((4, 4)), spacing=(30, 20.1)), "got 30 x 20.1"),

@@ -96,6 +96,23 @@ def test_a_hole_one_row_high_in_a_stretched_grid_is_no_crack():
     assert report.open_edges == 32 + 14
 
 
+@pytest.mark.parametrize("spacing", [(1e-3, 1e6), (1e6, 1e-3), (1.0, 1e6)])
+def test_a_grid_with_oblong_cells_has_the_cracks_it_has(spacing):
+    heights = np.random.default_rng(0).normal(size=(9, 9))
+    mesh = grid_mesh(Heightmap(heights, spacing=spacing))
+    assert not crack_report(mesh)
+    triangles = mesh.triangles.copy()
+    triangles[50] = triangles[50, ::-1]
+    assert crack_report(replace(mesh, triangles=triangles)).folded == 1
+    # the eastern half stands higher
+    east = (mesh.vertices[mesh.triangles, 0] >= 4 * np.float32(spacing[0])).all(axis=1)
+    torn = unwelded(mesh)
+    vertices = torn.vertices.copy()
+    vertices[np.repeat(east, 3), 2] += 0.5
+    report = crack_report(replace(torn, vertices=vertices))
+    assert (report.cracks, report.largest_gap) == (16, pytest.approx(0.5))
+
+
 def test_a_narrow_hole_between_coarse_and_fine_is_no_crack():
     coarse = [patch([0, 10], [0, 10], left=10 * column) for column in range(20)]
     fine = patch(range(11), range(3), left=90, top=11)

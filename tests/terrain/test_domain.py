@@ -54,6 +54,14 @@ def test_normals_have_unit_length_however_steep() -> None:
         np.testing.assert_allclose(np.linalg.norm(mesh.normals, axis=1), 1, atol=1e-6)
 
 
+def test_slopes_beyond_float32_have_the_normals_that_they_should() -> None:
+    # 1e40 a unit to the east, 2e40 to the north
+    ground = plane(1e28, -4e28, spacing=(1e-12, 2e-12))
+    mesh = tl.Terrain(ground).mesh(lod=tl.UniformLod(7.3))
+    expected = np.tile(np.array([-1.0, -2.0, 0.0]) / np.sqrt(5), (len(mesh.vertices), 1))
+    np.testing.assert_allclose(mesh.normals, expected, atol=1e-6)
+
+
 def test_points_beyond_32_bits_of_fixed_point_stand_where_they_should() -> None:
     # 65536 samples x 65536 units a cell is 2^32
     ground = tl.Heightmap(np.tile(np.arange(70_000, dtype=np.float32), (2, 1)))

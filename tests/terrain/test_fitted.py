@@ -30,11 +30,11 @@ GROUNDS = {
 
 
 def fitted(terrain: tl.Terrain, lod: object, camera: tl.Camera | None = None) -> tl.Mesh:
-    return terrain.mesh(camera, lod=lod, partitioning="integer", heights="fitted")
+    return terrain.mesh(camera, lod=lod, heights="fitted")
 
 
 def grounded(terrain: tl.Terrain, lod: object) -> tl.Mesh:
-    return terrain.mesh(lod=lod, partitioning="integer")
+    return terrain.mesh(lod=lod)
 
 
 def assert_same(one: tl.Mesh, other: tl.Mesh) -> None:
@@ -72,6 +72,13 @@ def test_fewer_triangles_than_on_the_ground() -> None:
     assert len(floating.triangles) < 0.7 * len(standing.triangles)
     assert errors_off(standing, GROUNDS["hills"]) < 1e-3
     assert 1.0 < errors_off(floating, GROUNDS["hills"]) <= 4.0
+
+
+def test_what_is_measured_are_the_floating_triangles() -> None:
+    mesh = fitted(tl.Terrain(GROUNDS["hills"], tile=4), tl.MaxErrorLod(4.0))
+    assert errors_off(mesh, GROUNDS["hills"]) > 1.0
+    outside = tl.vertical_error(mesh, GROUNDS["hills"]).maximum
+    np.testing.assert_allclose(mesh.achieved.metres, outside, rtol=1e-3)
 
 
 def test_detail_is_kept_as_the_sum_is() -> None:
@@ -215,11 +222,13 @@ def test_what_rounds_do_not_settle_stands_on_the_ground(monkeypatch: pytest.Monk
         ({"lod": tl.UniformLod(3), "partitioning": "integer"}, "expected a promise .*UniformLod"),
         ({"lod": tl.Weighted(tl.UniformLod(3)), "partitioning": "integer"}, "got UniformLod"),
         ({"lod": tl.MaxErrorLod(3), "partitioning": "pow2"}, "'integer' .*'pow2'"),
+        ({"lod": tl.MaxErrorLod(3), "steady": tl.Steady()}, "expected heights='ground' .*Steady"),
     ],
 )
 def test_what_cannot_be_fitted(wanted: dict[str, object], message: str) -> None:
-    with pytest.raises(tl.InputError, match=message):
+    with pytest.raises(tl.InputError, match=message) as error:
         tl.Terrain(GROUNDS["rough"]).mesh(heights="fitted", **wanted)
+    assert "\n" not in str(error.value)
 
 
 def test_unknown_heights() -> None:

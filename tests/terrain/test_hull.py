@@ -15,7 +15,9 @@ LODS = [
     tl.DistanceLod(near=100, far=3000),
     tl.DistanceLod(falloff=2.5, maximum=63),
     tl.CoplanarityLod(),
-    tl.CoplanarityLod(full_deviation=30.0, flat_weight=0.0, minimum=2.0),
+    tl.CoplanarityLod(pixels=100.0, minimum=2.0, maximum=40.0),
+    tl.BookCoplanarityLod(),
+    tl.BookCoplanarityLod(full_deviation=30.0, flat_weight=0.0, minimum=2.0),
     tl.ScreenAreaLod(),
     tl.ScreenAreaLod(pixels=25.0, minimum=1.5, maximum=40.0),
 ]
@@ -74,7 +76,7 @@ def test_a_peak_near_the_eye_is_near() -> None:
     # the book measures to the undisplaced midpoint, far below
     heights = np.zeros((61, 61))
     heights[15:31, 15:31] = 5000
-    terrain = tl.Terrain(tl.Heightmap(heights, spacing=10.0))
+    terrain = tl.Terrain(tl.Heightmap(heights, spacing=10.0), levels=1)
     camera = tl.Camera((225, -225, 5050), (225, -100, 5000))
     _, inside = factors(terrain, camera, tl.DistanceLod(far=3000), "min", False)
     assert inside.reshape(4, 4, 2)[1, 1].min() > 14
@@ -118,8 +120,8 @@ def test_unknown_edge_rule() -> None:
         (lambda: tl.DistanceLod(falloff=0), "falloff > 0"),
         (lambda: tl.ScreenAreaLod(pixels=0), "pixels > 0"),
         (lambda: tl.ScreenAreaLod(minimum=9, maximum=5), "maximum >= minimum"),
-        (lambda: tl.CoplanarityLod(full_deviation=0), "full_deviation > 0"),
-        (lambda: tl.CoplanarityLod(flat_weight=1.5), "from 0 to 1"),
+        (lambda: tl.BookCoplanarityLod(full_deviation=0), "full_deviation > 0"),
+        (lambda: tl.BookCoplanarityLod(flat_weight=1.5), "from 0 to 1"),
     ],
 )
 def test_wrong_parameters(make, message: str) -> None:

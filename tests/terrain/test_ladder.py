@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import terrain_lod as tl
-from support.grounds import holed, rough
+from support.grounds import rough
 from terrain_lod.reference.terrain import domain
 from terrain_lod.terrain.ladder import cheapest_first, tile_groups
 from terrain_lod.tessellation.tessellator import tessellate
@@ -62,46 +62,3 @@ def test_groups_hold_every_tile_and_only_tiles_of_one_size() -> None:
     for group in groups:
         row, column = np.divmod(group, grid.shape[1])
         assert len(set(zip(down[row], across[column], strict=True))) == 1
-
-
-def test_a_saved_ladder_is_the_ladder(tmp_path) -> None:
-    ground, lod = holed(60, 47), tl.MaxErrorLod(2.0)
-    terrain = tl.Terrain(ground, tile=7)
-    expected = terrain.mesh(lod=lod)
-    path = terrain.save_ladder(tmp_path / "ground.npz")
-    again = tl.Terrain(ground, tile=7)
-    again.load_ladder(path)
-    found = again.mesh(lod=lod)
-    np.testing.assert_array_equal(found.vertices, expected.vertices)
-    np.testing.assert_array_equal(found.triangles, expected.triangles)
-    # not measured a second time
-    assert "ladder" in tl.Terrain(ground, tile=7).mesh(lod=lod).timings
-    assert "ladder" not in found.timings
-    # and it follows an update as its own would
-    for each in (terrain, again):
-        each.update(slice(3, 9), slice(5, 8), np.full((6, 3), 50.0))
-    np.testing.assert_array_equal(again.mesh(lod=lod).vertices, terrain.mesh(lod=lod).vertices)
-
-
-def test_a_ladder_of_something_else_is_refused(tmp_path) -> None:
-    ground = rough(40, 40)
-    path = tl.Terrain(ground).save_ladder(tmp_path / "ground.npz")
-    heights = np.array(ground.heights)
-    heights[20, 20] += 1e-3
-    for other in (
-        tl.Terrain(tl.Heightmap(heights, base=ground.base)),
-        tl.Terrain(ground, tile=7),
-        tl.Terrain(ground, detail=tl.Heightmap(np.eye(4), spacing=0.5 * ground.spacing[0])),
-    ):
-        with pytest.raises(tl.FileError, match="of this ground and tile size"):
-            other.load_ladder(path)
-    terrain = tl.Terrain(ground)
-    with pytest.raises(tl.FileError, match="No such file"):
-        terrain.load_ladder(tmp_path / "none.npz")
-    for content in (b"", b"no ladder", path.read_bytes()[:200]):
-        (tmp_path / "bad.npz").write_bytes(content)
-        with pytest.raises(tl.FileError, match="expected an error ladder"):
-            terrain.load_ladder(tmp_path / "bad.npz")
-    with pytest.raises(tl.FileError, match="none"):
-        terrain.save_ladder(tmp_path / "none" / "ground.npz")
-    assert sorted(each.name for each in tmp_path.iterdir()) == ["bad.npz", "ground.npz"]

@@ -29,7 +29,7 @@ GROUNDS = {
 
 
 def whole(terrain: tl.Terrain, lod: object, camera: tl.Camera | None = None) -> tl.Mesh:
-    return terrain.mesh(camera, lod=lod, partitioning="integer")
+    return terrain.mesh(camera, lod=lod)
 
 
 def sizes_of(mesh: tl.Mesh) -> set[int]:
@@ -107,7 +107,7 @@ def test_one_level_is_the_flat_grid() -> None:
 
 def test_whole_factors_have_fewer_triangles_than_odd_ones() -> None:
     terrain = tl.Terrain(GROUNDS["fractal"], tile=7, levels=1)
-    odd = terrain.mesh(lod=tl.MaxErrorLod(10))
+    odd = terrain.mesh(lod=tl.MaxErrorLod(10), partitioning="fractional_odd")
     assert len(whole(terrain, tl.MaxErrorLod(10)).triangles) < 0.9 * len(odd.triangles)
 
 

@@ -180,7 +180,7 @@ def test_no_ray_falls_between_triangles_or_cells() -> None:
 def test_a_plane_is_hit_where_it_is() -> None:
     #   z = 0.5 per cell east; a ray from (10, -20, 100) straight down meets 5
     ground = plane(0.5, 0.0)
-    terrain = tl.Terrain(ground)
+    terrain = tl.Terrain(ground, tile=15)
     surface = MeshQueries(terrain.mesh(lod=tl.UniformLod(1)))
     for hits in (
         terrain.cast([10, -20, 100], [0, 0, -9]),
@@ -256,9 +256,9 @@ def test_any_mesh_can_be_asked() -> None:
 @pytest.mark.parametrize(
     ("ask", "message"),
     [
-        (lambda t: t.height_at([1, 2, 3]), r"points of shape \(n, 2\), got \(3,\)"),
+        (lambda t: t.height_at([1, 2, 3]), r"points of shape \(N, 2\), got \(3,\)"),
         (lambda t: t.height_at([[0, np.nan]]), "finite points"),
-        (lambda t: t.height_at("here"), "numbers of shape"),
+        (lambda t: t.height_at("here"), "points as real numbers"),
         (lambda t: t.cast([[0, 0, 1]], [[0, 0, 0]]), "directions, got .* for ray 0"),
         (lambda t: t.cast(np.zeros((2, 3)), np.ones((3, 3))), "got 2 and 3"),
         (lambda t: t.cast([[0, np.inf, 0]], [[0, 0, 1]]), "finite origins"),

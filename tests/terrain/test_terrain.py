@@ -18,7 +18,8 @@ GROUNDS = {
 LODS = [
     tl.DistanceLod(falloff=1.7),
     tl.CoplanarityLod(),
-    tl.CoplanarityLod(minimum=2.3, maximum=40.0, far=3000.0),
+    tl.CoplanarityLod(pixels=9.0, minimum=2.3, maximum=40.0),
+    tl.BookCoplanarityLod(minimum=2.3, maximum=40.0, far=3000.0),
     tl.ScreenErrorLod(2.0),
     tl.UniformLod(4.7),
 ]

@@ -40,6 +40,10 @@ def together(*works):
         return [future.result() for future in [pool.submit(run, work) for work in works]]
 
 
+# what is made when the first mesh wants it
+ONCE = {"tree", "control_points"}
+
+
 @pytest.mark.parametrize("make", [rough, holed])
 def test_two_threads_on_one_terrain_find_what_one_finds(make) -> None:
     ground = ground_of(make)
@@ -65,11 +69,11 @@ def test_two_threads_on_one_terrain_find_what_one_finds(make) -> None:
             mesh, wall = found[index]
             assert bits(mesh) == bits(one), asked[index]
             # its own launches, each once: no more time than there was
-            assert mesh.timings.keys() - {"ladder"} == one.timings.keys() - {"ladder"}
+            assert mesh.timings.keys() - ONCE == one.timings.keys() - ONCE
             assert 0 < sum(mesh.timings.values()) < wall
-    # the first to want the ladder measures it, for both
-    measured = ["ladder" in found[i][0].timings for found in threads[:2] for i in found]
-    assert sum(measured) == 1
+    # the first to want the quadtree makes it, for both
+    made = ["tree" in found[i][0].timings for found in threads[:2] for i in found]
+    assert sum(made) == 1
 
 
 def test_heights_and_rays_are_those_of_one_thread() -> None:

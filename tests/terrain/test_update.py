@@ -70,7 +70,7 @@ def test_many_small_updates_one_after_the_other(plane: str) -> None:
 
 
 def test_inside_a_tile_one_is_touched_and_on_a_corner_four() -> None:
-    terrain = tl.Terrain(rough(61, 61))
+    terrain = tl.Terrain(rough(61, 61), tile=15)
     one = np.ones((1, 1))
     assert terrain.update(slice(7, 8), slice(20, 21), one) == 1
     assert terrain.update(slice(15, 16), slice(20, 21), one) == 2
@@ -119,11 +119,11 @@ def test_masked_elements_and_whole_numbers_are_taken() -> None:
         (slice(0, 1), slice(-2, 3), np.ones((1, 5)), "columns within"),
         (slice(0, 9, 2), slice(0, 1), np.ones((5, 1)), "rows within"),
         (slice(5, 5), slice(0, 1), np.ones((0, 1)), "rows within"),
-        (3, slice(0, 1), np.ones((1, 1)), "rows as a slice"),
+        (3, slice(0, 1), np.ones((1, 1)), "a slice for rows, got 3"),
         (slice(0, 2), slice(0, 2), np.ones((2, 3)), r"shape \(2, 2\), got \(2, 3\)"),
         (slice(0, 1), slice(0, 2), [[1.0, -np.inf]], "finite heights, got -inf"),
         (slice(0, 1), slice(0, 1), [[1e39]], "float32"),
-        (slice(0, 1), slice(0, 1), [["high"]], "real heights"),
+        (slice(0, 1), slice(0, 1), [["high"]], "heights as real numbers"),
         (slice(None), slice(None), np.full((31, 31), np.nan), "data to be left"),
     ],
 )
@@ -142,7 +142,7 @@ def test_a_wrong_update_is_one_clear_line_and_changes_nothing(
 
 def test_an_update_that_the_device_has_no_room_for_changes_nothing() -> None:
     device = tl.Device(tl.Device.open().queue.device)  # one of the test's own, to be filled
-    terrain = tl.Terrain(rough(130, 110), device=device)
+    terrain = tl.Terrain(rough(130, 110), tile=15, device=device)
     lod = tl.MaxErrorLod(1.0)
     before, ground, mesh = everything(terrain), terrain.ground, terrain.mesh(lod=lod)
     part = slice(40, 60), slice(35, 70)
@@ -165,7 +165,7 @@ def test_an_update_that_the_device_has_no_room_for_changes_nothing() -> None:
     # copies of what would be overwritten, holes, and control points when heights were new already
     for shape in ("(20, 110)", "(18, 8, 8)", "(130, 110)", "(10, 10, 4)"):
         assert any(f"array of {shape}" in line for line in refused), shape
-    assert_as_made_anew(terrain)
+    assert_as_made_anew(terrain, tile=15)
     assert terrain.ground.mask.sum() == heights.size
 
 

@@ -1,6 +1,6 @@
 """Semi-uniform tessellation: what moves, what stays, and that nothing cracks."""
 
-from itertools import product
+from itertools import pairwise, product
 
 import numpy as np
 import pytest
@@ -128,6 +128,90 @@ def test_the_crack_report_finds_none_either():
     assert not crack_report(Mesh(vertices, up, pattern.triangles))
 
 
+# quads, and both ways to snap
+
+QUADS = np.array(list(product(range(4), repeat=4)))
+SNAPPED = pytest.mark.parametrize("snap", ["nested", "nearest"])
+
+
+@SNAPPED
+def test_quads_keep_what_is_inside_and_stand_on_their_edges_levels(snap):
+    pattern = semi_uniform(QUADS, snap=snap)
+    for patch, levels in enumerate(QUADS):
+        begin, end = pattern.point_offsets[patch : patch + 2]
+        points, steps = pattern.points[begin:end].astype(np.int64), 2 ** levels.max()
+        inside = points[4 * steps :]
+        assert ((inside > 0) & (inside < FIXED_ONE)).all()
+        assert (inside % (FIXED_ONE // steps) == 0).all()
+        assert len(np.unique(inside, axis=0)) == len(inside) == (steps - 1) ** 2
+        for edge, level in enumerate(levels):
+            on_edge = points[points[:, edge % 2] == (FIXED_ONE if edge > 1 else 0), 1 - edge % 2]
+            np.testing.assert_array_equal(
+                np.unique(on_edge), np.arange(2**level + 1) * FIXED_ONE // 2**level
+            )
+
+
+@SNAPPED
+@pytest.mark.parametrize("levels", [ALL[::5], QUADS], ids=["triangles", "quads"])
+def test_either_snap_covers_the_domain_once_and_folds_nothing(snap, levels):
+    for keep in (True, False):
+        pattern = semi_uniform(levels, maximum=M, snap=snap, keep_degenerate=keep)
+        uv = pattern.points[pattern.triangles].astype(np.int64)
+        area = np.linalg.det((uv[:, 1:] - uv[:, :1]) / FIXED_ONE)
+        assert (area >= 0).all()
+        assert keep or (area > 0).all()
+        patch = np.repeat(np.arange(len(levels)), np.diff(pattern.triangle_offsets))
+        whole = 1 if levels.shape[1] == 3 else 2
+        np.testing.assert_allclose(np.bincount(patch, area), whole)
+
+
+@SNAPPED
+def test_no_combination_of_quads_cracks_beside_neighbours_of_any_level(snap):
+    beside = [(-1, 0, 2), (0, -1, 3), (1, 0, 0), (0, 1, 1)]
+    levels, places = [], []
+    for number, (own, other) in enumerate(product(QUADS, range(4))):
+        shift = 4 * np.array([number % 40, number // 40])
+        levels.append(own)
+        places.append(shift)
+        for edge, (x, y, facing) in enumerate(beside):
+            levels.append(np.where(np.arange(4) == facing, own[edge], other))
+            places.append(shift + np.array([x, y]))
+    levels, places = np.array(levels), np.array(places)
+    pattern = semi_uniform(levels, snap=snap, keep_degenerate=False)
+    patch = np.repeat(np.arange(len(levels)), np.diff(pattern.point_offsets))
+    x, y = (pattern.points.astype(np.int64) // (FIXED_ONE // 8) + 8 * places[patch] + 8).T
+    triangles = pattern.triangles
+    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    # all that is open is the outline of each group of five: three edges of each neighbour
+    outline = 3 * 4 * sum(2 ** np.arange(4)) * len(QUADS)
+    assert unpaired_edges(x * 2**32 + y, edges) == outline
+
+
+def test_the_nearest_snap_is_equation_1_and_nested_levels_hold_the_lower_ones():
+    steps = 2**M
+    moved = {}
+    for snap in ("nested", "nearest"):
+        pattern = semi_uniform([(M, M, level) for level in range(M + 1)], maximum=M, snap=snap)
+        first = pattern.point_offsets[:-1, None]
+        # w = 0 is walked from u = 1
+        along = pattern.points[first + 2 * steps + np.arange(steps), 1] / FIXED_ONE
+        moved[snap] = along
+    t, levels = np.arange(steps) / steps, np.arange(M + 1)[:, None]
+    scaled = t * 2**levels
+    equation = np.where(t < 0.5, np.ceil(scaled - 0.5), np.floor(scaled + 0.5)) / 2.0**levels
+    np.testing.assert_array_equal(moved["nearest"], equation)
+    # points that stand together on a level stand together on all lower ones: nested, not nearest
+    together = {
+        snap: all(
+            len(np.unique(lower[upper == place])) == 1
+            for lower, upper in pairwise(along)
+            for place in upper
+        )
+        for snap, along in moved.items()
+    }
+    assert together == {"nested": True, "nearest": False}
+
+
 # the rest
 
 
@@ -182,8 +266,8 @@ def test_the_last_level_there_is():
 @pytest.mark.parametrize(
     ("levels", "options", "message"),
     [
-        ([(1, 2)], {}, r"levels \(P, 3\), one an edge, got shape \(1, 2\)"),
-        ([(1, 2, 3), (1, 2)], {}, r"levels \(P, 3\)"),
+        ([(1, 2)], {}, r"levels of shape \(P, 3\), got \(1, 2\)"),
+        ([(1, 2, 3), (1, 2)], {}, r"levels as real numbers \(P, 3\)"),
         ([("a", "b", "c")], {}, "real numbers"),
         ([(1, 2, 6)], {}, "at most maximum=5, got 6: raise maximum"),
         ([(1, 2, 3)], {"maximum": 11}, "whole number from 0 to 10 for maximum, got 11"),

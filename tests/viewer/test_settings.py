@@ -56,8 +56,8 @@ def test_any_slider_anywhere_gives_a_level_of_detail(settings, value, data):
 
 
 def test_sliders_that_matter_and_their_scale():
-    names = [slider.name for slider in SETTINGS.changed("lod", "coplanarity").sliders]
-    formula = ["near", "far", "minimum", "maximum", "flat_weight"]
+    names = [slider.name for slider in SETTINGS.changed("lod", "book-coplanarity").sliders]
+    formula = ["minimum", "maximum", "near", "far", "flat_weight"]
     always = ["horizon", "silhouette", "tile", "azimuth", "elevation"]
     assert names == formula + always
     for slider in SETTINGS.numbers:
@@ -78,7 +78,7 @@ def test_the_tile_slider_has_stops():
 
 def test_factors_that_were_all_of_a_tile_stay_so():
     larger = SETTINGS.changed("tile", 31)
-    assert values(SETTINGS, "tile", "factor", "maximum") == [7, 7, 7]
+    assert values(SETTINGS, "tile", "factor", "maximum") == [4, 4, 4]
     assert values(larger, "tile", "factor", "maximum") == [31, 31, 31]
     chosen = larger.changed("factor", 5.0).changed("minimum", 20.0).changed("tile", 15)
     assert values(chosen, "factor", "minimum", "maximum") == [5, 15, 15]
@@ -106,10 +106,10 @@ def test_numbers_without_a_slider_beside_others_of_their_name():
     assert budget.changed("pixels", 3).detail() == BudgetLod(100_000, pixels=3)
     # each level of detail keeps its own
     assert budget.changed("pixels", 3).changed("lod", "screen-error").detail() == ScreenErrorLod(1)
-    rough = SETTINGS.changed("lod", "coplanarity").changed("full_deviation", 5)
+    rough = SETTINGS.changed("lod", "book-coplanarity").changed("full_deviation", 5)
     assert rough.detail().full_deviation == 5
     near = SETTINGS.changed("lod", "distance").changed("near", 10)
-    assert near.changed("lod", "coplanarity").detail().near == 10
+    assert near.changed("lod", "book-coplanarity").detail().near == 10
 
 
 def test_weights_weigh_and_none_do_not():
@@ -119,7 +119,7 @@ def test_weights_weigh_and_none_do_not():
 
 
 def test_edge_rule_and_tessellation_follow_the_level_of_detail():
-    assert SETTINGS.usable_edge_rule == "edge"
+    assert SETTINGS.usable_edge_rule is None
     assert SETTINGS.changed("lod", "distance").usable_edge_rule == "min"
     assert SETTINGS.changed("lod", "distance").changed("edge_rule", "max").usable_edge_rule == "max"
     flat = SETTINGS.changed("tessellated", False)

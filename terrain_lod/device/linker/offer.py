@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import atexit
 import os
 import platform
 import shlex
 import shutil
 import subprocess
 import sys
-import tempfile
 from functools import cache
 from pathlib import Path
 from typing import Final
 
 from ...errors import DeviceError
+from ..kernel_cache import temporary_folder
 
 # where PoCL's compiler looks for the programs it runs, before the PATH
 _FOLDER_VARIABLE: Final = "COMPILER_PATH"
@@ -33,8 +32,7 @@ def provide_linker() -> None:
     # an ld alone is not enough: PoCL also names the files that come with a C compiler
     if shutil.which("ld") and shutil.which("cc"):
         return
-    folder = Path(tempfile.mkdtemp(prefix="terrain_lod-"))
-    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    folder = temporary_folder()
     script = folder / "ld"
     command = shlex.join([sys.executable, "-I", "-S", str(_PROGRAM)])
     script.write_text(f'#!/bin/sh\nexec {command} "$@"\n', encoding="utf-8")

@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from ...arguments import array, file_path
 from ...errors import FileError, InputError
 from ...paths import replacing
 
@@ -42,7 +43,7 @@ def load_bpt(path: str | Path) -> Nets:
     InputError
         If it holds anything else than bicubic patches; names the line.
     """
-    path = Path(path)
+    path = file_path("path", path)
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
@@ -72,32 +73,23 @@ def save_bpt(nets: npt.ArrayLike, path: str | Path) -> Path:
     FileError
         If the file cannot be written.
     """
-    checked = as_nets(nets)
+    checked, path = as_nets(nets), file_path("path", path)
     lines = [f"{len(checked)}"]
     for net in checked.reshape(-1, 16, 3):
         lines += ["3 3", *(" ".join(f"{x:.9g}" for x in point) for point in net + 0.0)]
     with replacing(path) as temporary:
         temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    return Path(path)
+    return path
 
 
 def as_nets(nets: npt.ArrayLike) -> Nets:
     """Return control points as (P, 4, 4, 3), or say what does not fit."""
-    try:
-        points = np.asarray(nets)
-    except ValueError:  # rows of different lengths
-        points = np.empty(0)
-    if points.dtype.kind not in "iuf":
-        raise InputError(f"expected patches of real numbers, got an array of {points.dtype}")
+    points = array("patches", nets, ("P", ...))
     if points.shape[1:] not in ((4, 4, 3), (16, 3)):
         raise InputError(
             f"expected patches (P, 4, 4, 3) or (P, 16, 3) of 16 control points, got shape "
             f"{points.shape}"
         )
-    points = points.astype(np.float64)
-    if not np.isfinite(points).all():
-        patch = int(np.argwhere(~np.isfinite(points))[0, 0])
-        raise InputError(f"expected finite control points, got others in patch {patch}")
     return points.reshape(-1, 4, 4, 3)
 
 

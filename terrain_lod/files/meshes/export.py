@@ -23,9 +23,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final
 
+from ...arguments import file_path
 from ...errors import InputError
 from ...mesh.mesh import Mesh
-from ...mesh.soundness import require_sound
+from ...mesh.soundness import sound_mesh
 from ...paths import replacing
 from .glb import write_glb
 from .raw import ORIGIN_MARK
@@ -37,32 +38,8 @@ _STL_HEADER: Final = 80
 
 
 def save(mesh: Mesh, path: str | Path) -> Path:
-    """Write a mesh to a file; the ending chooses the format.
-
-    The file appears whole or not at all: it is written under a temporary name beside `path`, one of
-    this writer alone, and renamed. Of several that save to one name at once, the last is what
-    stays.
-
-    Parameters
-    ----------
-    mesh : Mesh
-    path : str or pathlib.Path
-        Ends in .glb, .obj, .ply, .stl or .vtp. An existing file is replaced.
-
-    Returns
-    -------
-    pathlib.Path
-        The file.
-
-    Raises
-    ------
-    InputError
-        If the ending is none of these, if the mesh has no triangle, positions that are not finite
-        or corners that are no vertices, or if it does not fit the format.
-    FileError
-        If the folder does not exist or the file cannot be written.
-    """
-    path = Path(path)
+    """Write a mesh to a file; see :meth:`terrain_lod.Mesh.save`."""
+    path = file_path("path", path)
     write = FORMATS.get(path.suffix.lower())
     if write is None:
         raise InputError(
@@ -71,7 +48,7 @@ def save(mesh: Mesh, path: str | Path) -> Path:
         )
     if not len(mesh.triangles):
         raise InputError(f"expected triangles to save in {path.name}, got an empty mesh")
-    require_sound(mesh.vertices, mesh.triangles)
+    sound_mesh(mesh)
     with replacing(path) as temporary:
         write(mesh, temporary)
     return path

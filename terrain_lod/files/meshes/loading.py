@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
+from ...arguments import file_path
 from ...errors import FileError, InputError
 from ...mesh.mesh import Mesh
 from ...mesh.normals import vertex_normals
@@ -62,8 +63,8 @@ def load_mesh(path: str | Path) -> Mesh:
     MissingExtraError
         If a package is needed to read it that is not installed; the message names the extra.
     """
-    path = Path(path)
-    if not os.path.isfile(path):  # as Path.is_file, but a name may be too long
+    path = file_path("path", path)
+    if not os.path.isfile(path):  # as Path.is_file, but a folder may be closed
         raise FileError(f"expected a mesh file, got none at {path}")
     raw = read(path)
     for note in raw.notes:

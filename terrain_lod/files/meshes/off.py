@@ -19,7 +19,8 @@ from typing import Final
 
 import numpy as np
 
-from .raw import RawMesh, numbers
+from .raw import RawMesh
+from .words import numbers
 
 _KEYWORD: Final = re.compile(rb"(ST)?(C)?(N)?(4)?(n)?OFF\b")
 

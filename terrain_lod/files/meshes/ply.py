@@ -14,7 +14,8 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from .raw import Integers, RawMesh, numbers, of_triangles, strips_to_triangles
+from .raw import Integers, RawMesh, of_triangles, strips_to_triangles
+from .words import numbers
 
 _TYPES: Final = {
     name: code

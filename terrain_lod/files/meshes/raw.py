@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final
 
@@ -70,30 +69,6 @@ class RawMesh:
                 raise ValueError("the origin in its comment is no three numbers") from None
             self.crs = found[4].decode(errors="replace").strip() if found[4] else None
         return self
-
-
-def numbers(rows: Sequence[bytes], width: int, what: str) -> npt.NDArray[np.float64]:
-    """Return the first `width` numbers of each row of text, (N, width).
-
-    Raises
-    ------
-    ValueError
-        Names the first row that has not so many, as `what`.
-    """
-    try:
-        words = (float(word) for row in rows for word in row.split()[:width])
-        values = np.fromiter(words, np.float64)
-        return values.reshape(len(rows), width)
-    except ValueError:
-        for row in rows:
-            try:
-                short = len([float(word) for word in row.split()[:width]]) < width
-            except ValueError:
-                short = True
-            if short:
-                shown = row[:40].decode(errors="replace").strip()
-                raise ValueError(f"expected {width} numbers of {what}, got {shown!r}") from None
-        raise
 
 
 def require_corners(corners: Integers, sizes: Integers, count: int) -> None:

@@ -12,7 +12,8 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from .raw import Floats, Integers, RawMesh, numbers, of_triangles
+from .raw import Floats, Integers, RawMesh, of_triangles
+from .words import numbers
 
 _HEADER: Final = 80
 _FACET: Final = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("color", "<u2")])

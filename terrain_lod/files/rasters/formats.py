@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -63,8 +64,8 @@ FORMATS: Final = (
 
 def format_of(path: Path) -> tuple[Format, str]:
     """Return what a file is, by its first bytes or else its name, and its name without ending."""
-    if not path.is_file():
-        found = "a folder" if path.is_dir() else "nothing"
+    if not os.path.isfile(path):  # as Path.is_file, but a folder may be closed
+        found = "a folder" if os.path.isdir(path) else "nothing"
         raise FileError(f"expected a file of heights, got {found} at {path}")
     try:
         with path.open("rb") as file:

@@ -4,24 +4,21 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
-import numpy as np
-import numpy.typing as npt
-
-from ...arguments import finite
+from ...arguments import file_path
 from ...errors import FileError, InputError, TerrainError
 from ...ground.heightmap import Heightmap
-from .formats import format_of
+from .formats import Format, format_of
 from .mercator import checked_tile, tile_of, with_tile
-from .nodata import is_nodata, undeclared
+from .nodata import undeclared
 from .parts import Part
-from .place import height_factor, place_of
 from .raster import Raster
+from .reading import reading_of
 
 
 def load(
@@ -128,10 +125,35 @@ def load(
         guess; if PROJ refuses the CRS; if a value that no ground has (-9999, -32768, 3.4e38 ...)
         stands among heights and nobody said that it is nodata.
     """
-    path = Path(path)
+    path = file_path("path", path)
     part = Part.of(bounds, window, overview, band)
     numbered = None if tile is None else checked_tile(tile)
     form, name = format_of(path)
+    raster = read_raster(form, path, part)
+    if numbered is None and raster.coloured and raster.step is None and part.is_all:
+        numbered = tile_of(path)
+    if numbered is not None:
+        if not part.is_all:
+            raise InputError("expected a whole tile with tile=, got bounds or window")
+        raster = with_tile(raster, numbered, path.name)
+    with _within_memory(path.name):
+        ground, notes = _ground_of(
+            raster, name, spacing=spacing, height_range=height_range, nodata=nodata,
+            z_unit=z_unit, z_scale=z_scale,
+        )  # fmt: skip
+    for note in notes:
+        warnings.warn(note, stacklevel=2)
+    return ground
+
+
+def read_raster(form: Format, path: Path, part: Part) -> Raster:
+    """Return what a part of a file says, or one line that says why not.
+
+    Raises
+    ------
+    FileError, InputError, MissingExtraError
+        As :func:`load` has them.
+    """
     try:
         with _within_memory(path.name), warnings.catch_warnings():
             # what libraries mumble over a file is not for the user; what they raise is
@@ -145,26 +167,13 @@ def load(
         raise FileError(
             f"expected {form.title} in {path}, got a part of one or something else ({reason})"
         ) from error
-    if numbered is None and raster.coloured and raster.step is None and part.is_all:
-        numbered = tile_of(path)
-    if numbered is not None:
-        if not part.is_all:
-            raise InputError("expected a whole tile with tile=, got bounds or window")
-        raster = with_tile(raster, numbered, path.name)
     if raster.values.dtype.itemsize == 1:
         stairs = (
             f"{path.name} has 8-bit heights: 256 steps, so slopes become stairs; "
             "a 16-bit or floating-point file would not"
         )
         raster = replace(raster, notes=(stairs, *raster.notes))
-    with _within_memory(path.name):
-        ground, notes = _ground_of(
-            raster, name, spacing=spacing, height_range=height_range, nodata=nodata,
-            z_unit=z_unit, z_scale=z_scale,
-        )  # fmt: skip
-    for note in notes:
-        warnings.warn(note, stacklevel=2)
-    return ground
+    return raster
 
 
 @contextmanager
@@ -197,71 +206,19 @@ def _ground_of(
     z_scale: float | None = None,
 ) -> tuple[Heightmap, tuple[str, ...]]:
     """Return the ground that a file's content makes, and what a user ought to be warned of."""
-    if raster.values.ndim != 2 or min(raster.values.shape) < 2:
-        raise InputError(
-            f"expected heights of at least 2 x 2 samples, got shape {raster.values.shape}"
+    reading = reading_of(
+        raster, name, spacing=spacing, height_range=height_range, nodata=nodata,
+        z_unit=z_unit, z_scale=z_scale,
+    )  # fmt: skip
+    hole, notes = reading.holes(raster), reading.notes
+    if reading.metres is not None and raster.values.dtype.kind in "iuf" and raster.offset == 0:
+        notes += tuple(
+            f"{name} holds {value:g} in {count:,} of {raster.values.size:,} samples, which "
+            f"looks like nodata that is not declared: nodata={value:.9g} leaves them out"
+            for value, count in undeclared(raster.values, hole, reading.metres)
         )
-    hole = _holes(raster, raster.nodata if nodata is None else nodata)
-    place = place_of(raster, name, spacing)
-    notes = raster.notes + place.notes
-    if height_range is not None:
-        heights: npt.NDArray[Any] = _stretched(raster, name, height_range)
-    else:
-        factor, doubts = height_factor(raster, place.unit, name, z_unit, z_scale)
-        notes += doubts
-        metres = abs(factor * raster.scale) * place.unit.metres or 1.0
-        if raster.values.dtype.kind in "iuf" and raster.offset == 0:
-            notes += tuple(
-                f"{name} holds {value:g} in {count:,} of {raster.values.size:,} samples, which "
-                f"looks like nodata that is not declared: nodata={value:.9g} leaves them out"
-                for value, count in undeclared(raster.values, hole, metres)
-            )
-        heights = _scaled(raster, factor)
-    units = place.unit.name, place.unit.name
-    # a vertical CRS does not hold of heights that were brought to another unit
-    compound = raster.system.height_unit not in (None, place.unit)
-    crs = raster.system.horizontal if compound and place.crs == raster.system.crs else place.crs
     ground = Heightmap(
-        heights, spacing=place.spacing, origin=place.origin, mask=hole, crs=crs,
-        units=units, name=name,
+        reading.heights(raster), spacing=reading.spacing, origin=reading.origin, mask=hole,
+        crs=reading.crs, units=reading.units, name=name,
     )  # fmt: skip
     return ground, notes
-
-
-def _holes(raster: Raster, nodata: float | None) -> npt.NDArray[np.bool_] | None:
-    """Return where the file's own mask or its nodata value is, None if it can be nowhere."""
-    if nodata is None:
-        return raster.mask
-    try:
-        value = float(nodata)
-    except (TypeError, ValueError):
-        raise InputError(f"expected a number for nodata, got {nodata!r}") from None
-    hole = is_nodata(raster.values, value)
-    return hole if raster.mask is None else hole | raster.mask
-
-
-def _scaled(raster: Raster, factor: float) -> npt.NDArray[Any]:
-    """Return heights in their unit: packed numbers unpacked, then brought to another unit."""
-    if (raster.scale, raster.offset, factor) == (1, 0, 1):
-        return raster.values
-    # what stands in a hole may pass float64's range
-    with np.errstate(over="ignore", invalid="ignore"):
-        return (raster.values * raster.scale + raster.offset) * factor
-
-
-def _stretched(
-    raster: Raster, name: str, height_range: tuple[float, float]
-) -> npt.NDArray[np.float64]:
-    """Return heights with the whole range of the integers laid over `height_range`."""
-    if not isinstance(height_range, Iterable) or len(tuple(height_range)) != 2:
-        raise InputError(f"expected height_range as (low, high), got {height_range!r}")
-    low, high = (finite("height_range", height) for height in height_range)
-    if low >= high:
-        raise InputError(f"expected height_range from low to high, got {low:g} to {high:g}")
-    if raster.values.dtype.kind not in "iu":
-        raise InputError(
-            f"expected whole numbers for height_range to stretch, got {raster.values.dtype} "
-            f"in {name}: its numbers are heights already"
-        )
-    least, greatest = np.iinfo(raster.values.dtype).min, np.iinfo(raster.values.dtype).max
-    return low + (raster.values - float(least)) * ((high - low) / (float(greatest) - least))

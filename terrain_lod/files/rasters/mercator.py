@@ -10,12 +10,11 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
-from ...arguments import whole
+from ...arguments import parts, whole
 from ...errors import InputError
 from ...ground.units import METRE
 from .raster import Raster
@@ -39,13 +38,11 @@ def geographic(x: float, y: float) -> tuple[float, float]:
 
 def checked_tile(tile: object, name: str = "tile") -> Tile:
     """Return (z, x, y), or say what is wrong with it."""
-    numbers = tuple(tile) if isinstance(tile, Iterable) else ()
-    if len(numbers) != 3:
-        raise InputError(f"expected {name} as (z, x, y), got {tile!r}")
-    z = whole("z of the tile", numbers[0], 0, 30)
+    level, *place = parts(name, tile, "z", "x", "y")
+    z = whole("z of the tile", level, 0, 30)
     x, y = (
         whole(f"{axis} of a tile at z = {z}", number, 0, 2**z - 1)
-        for axis, number in zip("xy", numbers[1:], strict=True)
+        for axis, number in zip("xy", place, strict=True)
     )
     return z, x, y
 

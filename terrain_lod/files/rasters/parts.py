@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from ...arguments import finite, whole
+import numpy as np
+
+from ...arguments import numbers, parts, whole
 from ...errors import InputError
 from .raster import Raster
 
@@ -16,6 +17,7 @@ Window = tuple[int, int, int, int]
 
 # samples that stand on an edge belong to it, whatever rounding says
 _EDGE = 1e-6
+_MOST = 2**31  # samples along a side
 
 
 @dataclass(frozen=True)
@@ -115,10 +117,7 @@ def _within(low: float, high: float, first: float, step: float, count: int) -> s
 
 
 def _bounds(bounds: Any) -> Bounds:
-    numbers = tuple(bounds) if isinstance(bounds, Iterable) else ()
-    if len(numbers) != 4:
-        raise InputError(f"expected bounds as (west, south, east, north), got {bounds!r}")
-    west, south, east, north = (finite("bounds", number) for number in numbers)
+    west, south, east, north = numbers("bounds", bounds, "west", "south", "east", "north")
     if west >= east or south >= north:
         raise InputError(
             f"expected bounds from west to east and south to north, got ({west:g}, {south:g}, "
@@ -129,16 +128,13 @@ def _bounds(bounds: Any) -> Bounds:
 
 def _window(window: Any) -> Window:
     """Return column, row, width and height of a window in any of the forms that rasterio takes."""
-    if hasattr(window, "flatten"):
+    if hasattr(window, "flatten") and not isinstance(window, np.ndarray):
         window = window.flatten()
-    known = isinstance(window, Iterable) and not isinstance(window, str)
-    numbers = tuple(window) if known else ()
-    if len(numbers) == 2 and all(isinstance(pair, tuple | list) for pair in numbers):
-        (row, row_stop), (column, column_stop) = numbers
-        numbers = column, row, column_stop - column, row_stop - row
-    if len(numbers) != 4:
-        raise InputError(f"expected window as (column, row, width, height), got {window!r}")
-    most = 2**31
-    column, row = (whole("window's start", number, 0, most) for number in numbers[:2])
-    width, height = (whole("window's size", number, 2, most) for number in numbers[2:])
+    if isinstance(window, tuple | list) and len(window) == 2:
+        ends = [numbers("window", pair, "start", "stop") for pair in window]
+        (row, row_stop), (column, column_stop) = ends
+        window = column, row, column_stop - column, row_stop - row
+    column, row, width, height = parts("window", window, "column", "row", "width", "height")
+    column, row = (whole("window's start", number, 0, _MOST) for number in (column, row))
+    width, height = (whole("window's size", number, 2, _MOST) for number in (width, height))
     return column, row, width, height

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final, Literal
 
-from ...arguments import finite, positive
+from ...arguments import finite, steps, text, told
 from ...errors import InputError
 from ...ground.units import METRE, UNITS, Unit, unit_called
 from . import mercator
@@ -34,7 +33,9 @@ class Place:
 def place_of(raster: Raster, name: str, spacing: Spacing | None) -> Place:
     """Return where a raster stands; `spacing` as `load` takes it, or ``"map"``."""
     in_map_units = isinstance(spacing, str) and spacing == MAP
-    given = None if spacing is None or in_map_units else _pair(spacing)
+    if isinstance(spacing, str) and not in_map_units:
+        raise InputError(f'expected one or two numbers or "map" for spacing, got {told(spacing)}')
+    given = None if spacing is None or in_map_units else steps("spacing", spacing)
     system, origin = raster.system, raster.origin or (0.0, 0.0)
     unit = system.unit or METRE
     if raster.step is None:
@@ -63,10 +64,10 @@ def height_factor(
     if scale == 0:
         raise InputError("expected a z_scale other than 0, which would make all ground flat")
     if z_unit is not None:
-        chosen = unit_called(z_unit) if isinstance(z_unit, str) else None
+        chosen = unit_called(text("z_unit", z_unit))
         if chosen is None:
             names = ", ".join(known.name for known in UNITS)
-            raise InputError(f"expected one of {names} for z_unit, got {z_unit!r}")
+            raise InputError(f"expected one of {names} for z_unit, got {told(z_unit)}")
         return scale * _ratio(chosen, unit), ()
     if z_scale is not None:
         return scale, ()
@@ -183,15 +184,6 @@ def _true_to_scale(raster: Raster, name: str) -> Place:
     )  # fmt: skip
     crs = _local(code, (east, north), unit)
     return Place(spacing, (origin[0] * east, origin[1] * north), crs, unit)
-
-
-def _pair(spacing: object) -> Pair:
-    pair = tuple(spacing) if isinstance(spacing, Iterable) else (spacing, spacing)
-    if isinstance(spacing, str):
-        raise InputError(f'expected one or two numbers or "map" for spacing, got {spacing!r}')
-    if len(pair) != 2:
-        raise InputError(f"expected one or two numbers for spacing, got {len(pair)}")
-    return positive("spacing", pair[0]), positive("spacing", pair[1])
 
 
 def _could_be_degrees(raster: Raster) -> bool:

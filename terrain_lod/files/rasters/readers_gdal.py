@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 import zipfile
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 from typing import Any, Final
 
@@ -41,6 +42,31 @@ def has_rasterio() -> bool:
 
 def read_gdal(path: Path, part: Part) -> Raster:
     """Read a raster of any kind that GDAL knows, alone in an archive or plain."""
+    with _dataset(path, part) as (file, ways):
+        return _from_dataset(file, path.name, part, ways)
+
+
+@dataclass(frozen=True)
+class Extent:
+    """Samples of a raster, read or not: how many, of which type, and is row 0 in the south?"""
+
+    shape: tuple[int, int]
+    dtype: np.dtype[Any]
+    is_southern_first: bool
+
+
+def extent_gdal(path: Path, part: Part) -> Extent:
+    """Return how much there is to read of what :func:`read_gdal` reads, bounds apart."""
+    with _dataset(path, part) as (file, _):
+        affine, bands = _affine(file), _bands(file, path.name, part)
+        dtype = "f8" if len(bands) == 3 else file.dtypes[bands[0] - 1]
+        southern = affine is not None and affine[4] > 0
+        return Extent((file.height, file.width), np.dtype(dtype), southern)
+
+
+@contextmanager
+def _dataset(path: Path, part: Part) -> Iterator[tuple[Any, str]]:
+    """Open the raster in a file, and say which parts of it can be read; errors are our own."""
     if not has_rasterio():
         raise MissingExtraError(f"expected rasterio, for {path.name}, got no such package: {EXTRA}")
     import rasterio
@@ -51,8 +77,12 @@ def read_gdal(path: Path, part: Part) -> Raster:
     if path.suffix.lower() in RAW and not (header.is_file() or path.with_suffix(".HDR").is_file()):
         raise FileError(f"expected {header.name} beside {path.name}, whose header it is, got none")
     try:
-        with quiet_rasterio(), rasterio.Env():
-            return _read(_source(path), path.name, part)
+        with (
+            quiet_rasterio(),
+            rasterio.Env(),
+            _opened(_source(path), path.name, part) as (file, ways),
+        ):
+            yield file, ways
     except (RasterioError, CPLE_BaseError) as error:
         reason = str(error.__cause__ or error)
         raise FileError(
@@ -92,8 +122,9 @@ def _source(path: Path) -> str:
     return f"/vsizip/{{{place}}}/{members[0]}"
 
 
-def _read(source: str, name: str, part: Part) -> Raster:
-    """Read the one raster of heights in what GDAL calls `source`."""
+@contextmanager
+def _opened(source: str, name: str, part: Part) -> Iterator[tuple[Any, str]]:
+    """Open the one raster of heights in what GDAL calls `source`."""
     import rasterio
 
     with rasterio.open(source) as file:
@@ -108,7 +139,7 @@ def _read(source: str, name: str, part: Part) -> Raster:
         options = {"overview_level": part.overview}
     with rasterio.open(source, **options) as file:
         ways = "overview=, window= or bounds=" if overviews else "window= or bounds="
-        return _from_dataset(file, name, part, ways)
+        yield file, ways
 
 
 def _of_several(file: Any, name: str) -> str | None:
@@ -242,6 +273,22 @@ def _in_system(raster: Raster, file: Any) -> Raster:
     authority = file.crs.to_authority()
     system = system_of(text, ":".join(authority) if authority else text)
     return replace(raster, system=system, geographic=_geographic(file.crs, text, system))
+
+
+def system_called(name: str) -> System:
+    """Return the coordinate reference system that a code such as ``"EPSG:25832"`` stands for."""
+    if not has_rasterio():
+        raise MissingExtraError(
+            f"expected rasterio, for the CRS {name}, got no such package: {EXTRA}"
+        )
+    import rasterio
+    from rasterio.errors import CRSError
+
+    try:
+        with quiet_rasterio(), rasterio.Env():
+            return system_of(rasterio.CRS.from_user_input(name).to_wkt(), name)
+    except CRSError:
+        raise InputError(f"expected a CRS that PROJ knows, got {name!r}") from None
 
 
 def _geographic(

@@ -5,6 +5,8 @@ Farin: *Curves and Surfaces for CAGD*, sections 4.2 and 14.1.
 
 from __future__ import annotations
 
+from math import comb
+
 import numpy as np
 import numpy.typing as npt
 
@@ -23,6 +25,18 @@ def curve(points: Array, t: Array) -> tuple[Array, Array]:
     return points[:, 0] * (1 - t[:, 0]) + points[:, 1] * t[:, 0], slope
 
 
+def curve_of_any_degree(points: Array, t: Array) -> tuple[Array, Array]:
+    """Return points and unit tangents at `t` (N,) of curves (N, degree + 1, 3), by Bernstein."""
+    degree = points.shape[1] - 1
+    bases = [
+        np.stack([comb(d, k) * t**k * (1 - t) ** (d - k) for k in range(d + 1)], axis=1)
+        for d in (degree, degree - 1)
+    ]
+    at = np.einsum("nk,nkx->nx", bases[0], points)
+    along = np.einsum("nk,nkx->nx", bases[1], np.diff(points, axis=1))
+    return at, along / np.linalg.norm(along, axis=1, keepdims=True)
+
+
 def surface(nets: Array, u: Array, v: Array) -> tuple[Array, Array]:
     """Return positions and dP/du × dP/dv (N, 3) of points of patches (N, 4, 4, 3)."""
     rows = np.stack([curve(nets[:, i], v)[0] for i in range(4)], axis=1)
@@ -30,6 +44,15 @@ def surface(nets: Array, u: Array, v: Array) -> tuple[Array, Array]:
     at, along_u = curve(rows, u)
     _, along_v = curve(columns, v)
     return at, np.cross(along_u, along_v)
+
+
+def field(vectors: Array, u: Array, v: Array) -> Array:
+    """Return the vectors of fields (N, I, J, 3) of degrees I - 1 and J - 1 at u and v; (N, 3)."""
+    along_u, along_v = (
+        np.stack([comb(d, k) * t**k * (1 - t) ** (d - k) for k in range(d + 1)], axis=1)
+        for t, d in ((u, vectors.shape[1] - 1), (v, vectors.shape[2] - 1))
+    )
+    return np.asarray(np.einsum("ni,nj,nijk->nk", along_u, along_v, vectors))
 
 
 def bezier(nets: Array, u: Array, v: Array) -> tuple[Array, Array]:

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...mesh.open_edges import weld
+from .patch_culling import back_cosine_of, frustum_depth
 
 Array = npt.NDArray[np.float64]
 
@@ -65,18 +66,32 @@ def displacement(
     return _unit(direction), texture
 
 
-def dented(position: Array, decals: npt.NDArray[np.void], depths: npt.NDArray[Any]) -> Array:
-    """Return where all decals move a position to, each from where it was at first."""
-    moved = position.copy()
+def dented(
+    position: Array, normal_there: Array, decals: npt.NDArray[np.void], depths: npt.NDArray[Any]
+) -> tuple[Array, Array]:
+    """Return where all decals move a position to, each from where it was at first, and the normal.
+
+    That is turned by the inverse transpose of the derivative of the moved position.
+    """
+    moved, derivative = position.copy(), np.eye(3)
     for decal in decals:
         normal, tangent = (decal[name].astype(np.float64) for name in ("normal", "tangent"))
         off = position - decal["point"]
         radius = float(decal["radius"])
         if np.linalg.norm(off) <= radius:
-            x, y = off @ tangent, off @ np.cross(normal, tangent)
-            depth = bilinear(depths, x / radius / 2 + 0.5, y / radius / 2 + 0.5, repeats=False)
-            moved -= normal * (float(decal["bias"]) + float(decal["scale"]) * depth)
-    return moved
+            upward, scale = np.cross(normal, tangent), float(decal["scale"])
+            x, y = (off @ along / radius / 2 + 0.5 for along in (tangent, upward))
+
+            def depth(x: float, y: float) -> float:
+                return bilinear(depths, x, y, repeats=False)
+
+            moved -= normal * (float(decal["bias"]) + scale * depth(x, y))
+            rows, columns = depths.shape
+            across = columns * (depth(x + 0.5 / columns, y) - depth(x - 0.5 / columns, y))
+            up = rows * (depth(x, y + 0.5 / rows) - depth(x, y - 0.5 / rows))
+            derivative -= np.outer(normal, scale * (across * tangent + up * upward) / radius / 2)
+    turned = np.linalg.det(derivative) * np.linalg.solve(derivative.T, normal_there)
+    return moved, _unit(turned)
 
 
 def reached(
@@ -84,6 +99,7 @@ def reached(
     edges: npt.NDArray[np.int32],
     bulges: Array,
     decals: npt.NDArray[np.void],
+    in_view: npt.NDArray[np.bool_],
 ) -> tuple[Array, Array]:
     """Return how near decals come to being out of reach: above 0 where one reaches.
 
@@ -96,6 +112,8 @@ def reached(
     bulges : (T,)
         How far curved patches may leave their planes.
     decals : layout.DECAL records
+    in_view : (T,) bool
+        What is out of view is not reached.
 
     Returns
     -------
@@ -117,7 +135,43 @@ def reached(
                 of_edge[edge] = max(of_edge[edge], near)
                 inside = min(inside, np.cross(_unit(along), hit - points[i]) @ plane)
             above[triangle] = max(above[triangle], inside)
+    above[~in_view] = -np.inf
+    of_edge[np.setdiff1d(edges, edges[in_view])] = -np.inf
     return of_edge, above
+
+
+def seen(
+    controls: Array,
+    bulges: Array,
+    decals: npt.NDArray[np.void],
+    moves: Array,
+    view: npt.NDArray[Any],
+    back_cosine: float,
+) -> tuple[Array, Array]:
+    """Return how surely patches are in view, (T,), and decals seen, (D,): above 0 where they are.
+
+    Parameters
+    ----------
+    controls : (T, 10, 3)
+        Control points of the patches.
+    moves : (D,)
+        The most that each decal moves a point by.
+    """
+    depths, fronts = np.empty(len(controls)), np.empty(len(controls))
+    reach = np.empty((len(controls), len(decals)))
+    alone, everywhere = np.array([[0, 1, 2]], np.int32), np.ones(1, bool)
+    for patch, points in enumerate(controls):
+        for k, decal in enumerate(decals):
+            near, above = reached(
+                points[None, :3], alone, bulges[patch : patch + 1], decal[None], everywhere
+            )
+            reach[patch, k] = max(near.max(), above.max())
+        moved = moves[reach[patch] > 0].sum()
+        around = np.concatenate([points - moved, points + moved])
+        depths[patch] = frustum_depth(around, view)
+        fronts[patch] = back_cosine - back_cosine_of(points, view)
+    of_patch = np.minimum(depths, fronts)
+    return depths, np.minimum(reach, of_patch[:, None]).max(axis=0)
 
 
 def renewed_normals(

@@ -66,6 +66,16 @@ def distance_scaled(patch: Patch, parameters: Parameters) -> Array:
 
 def coplanarity(patch: Patch, parameters: Parameters) -> Array:
     """``coplanarity.h``."""
+    assert patch.camera is not None
+    camera = patch.camera
+    depth = 1.0 if camera.height else np.maximum(patch.distance, camera.near)
+    seen = patch.deviation * camera.focal / depth
+    share = np.cbrt(np.minimum(seen / parameters["pixels"], 1))
+    return np.maximum(parameters["maximum"] * share, parameters["minimum"])
+
+
+def book_coplanarity(patch: Patch, parameters: Parameters) -> Array:
+    """``book_coplanarity.h``."""
     scale = nearness(patch.distance, parameters["near"], parameters["far"])
     detail = np.minimum(patch.deviation / parameters["full_deviation"], 1)
     flat = parameters["flat_weight"]
@@ -101,5 +111,6 @@ FORMULAS: Final[Mapping[str | Path, Formula]] = {
     "terrain/lod/uniform.h": uniform,
     "terrain/lod/distance.h": distance_scaled,
     "terrain/lod/coplanarity.h": coplanarity,
+    "terrain/lod/book_coplanarity.h": book_coplanarity,
     "terrain/lod/area.h": screen_area,
 }

@@ -16,14 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...tessellation.pattern import Pattern
-from .division import (
-    ONE,
-    Division,
-    Triangle,
-    divide,
-    fixed_factor,
-    stitch,
-)
+from .division import ONE, Division, Triangle, divide, fixed_factor, stitch
 
 Point = tuple[int, int]
 

@@ -12,30 +12,23 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Final
 
-from ...arguments import whole
+from ...arguments import file_path, instance, whole
 from ...device.device import Device
-from ...device.layout import DEFAULT_TILE
 from ...drawing.graphics import graphics_problem
 from ...drawing.picture import draw, save_png
 from ...ground.heightmap import Heightmap
 from ...paths import require_made
-from ...terrain.lod import Weighted
+from ...terrain.lod import PromiseLod, Weighted, unweighted
 from ..texts import Steps, csv_text, json_text, write_texts
 from .outcome import SweepReport
 from .page import comparison_page
 from .plots import save_plots
-from .sweep import (
-    contenders,
-    drawn,
-    installed,
-    partitionings,
-    tile_sizes,
-)
+from .sweep import contenders, drawn, installed, partitionings, tile_sizes
 from .trials import Course, Result, run
 from .verdict import findings, speeds
 
 # of the JSON file; raised when a key changes its meaning
-FORMAT: Final = 2
+FORMAT: Final = 3
 
 _QUANTITIES: Final = {
     "triangles": "",
@@ -55,7 +48,7 @@ def compare(
     ground: Heightmap,
     folder: str | Path,
     *,
-    tile: int = DEFAULT_TILE,
+    tile: int | None = None,
     views: int = 3,
     device: Device | None = None,
     progress: Callable[[int, int], None] | None = None,
@@ -71,7 +64,8 @@ def compare(
     folder : str or Path
         Made if it is not there.
     tile : int, optional
-        Cells along a tile, of the sweep.
+        Cells along a tile, of the sweep. Default: 4 in the quadtrees of promises, 15 in the flat
+        grids of formulas, as for :class:`Terrain`.
     views : int, optional
         Cameras on a low flight over the ground, 1 to 100.
     device : Device, optional
@@ -87,12 +81,13 @@ def compare(
     InputError, FileError, DeviceMemoryError
         If an option is not one of these, a file cannot be written, or the device is too small.
     """
+    instance("a Heightmap for ground", ground, Heightmap)
     views = whole("views", views, 1, 100)
-    folder = require_made(Path(folder))
-    course = Course(ground, views, device or Device.open())
-    course.terrain(tile)  # a wrong tile is refused before anything takes time
+    folder, course = file_path("folder", folder), Course(ground, views, Device.of(device))
+    course.terrain(tile, flat=False)  # a wrong tile is refused before anything takes time
     groups = contenders(ground, tile), tile_sizes(ground), partitionings(tile)
     step = Steps(progress, sum(map(len, groups)) + 1)
+    require_made(folder)
     sweep, tiles, ways = (run(course, group, step) for group in groups)
     made = SweepReport(
         course,
@@ -109,15 +104,15 @@ def compare(
     return made
 
 
-def _pictures(course: Course, tile: int, folder: Path) -> dict[str, Path]:
+def _pictures(course: Course, tile: int | None, folder: Path) -> dict[str, Path]:
     """Draw the first view of every level of detail, coloured by its factors."""
     if graphics_problem() is not None:
         return {}
-    pictures, terrain, camera = {}, course.terrain(tile), course.cameras[0]
+    pictures, camera = {}, course.cameras[0]
     for lod in drawn(course.ground, tile):
         name = "Weighted" if isinstance(lod, Weighted) else type(lod).__name__
-        mesh = terrain.mesh(camera, lod=lod)
-        picture = draw(mesh, camera, style="lod", factor_range=(1.0, max(tile, 2)))
+        terrain = course.terrain(tile, flat=not isinstance(unweighted(lod), PromiseLod))
+        picture = draw(terrain.mesh(camera, lod=lod), camera, style="lod")
         pictures[name] = save_png(picture, folder / f"lod_{name}.png")
     return pictures
 
@@ -141,7 +136,7 @@ def _who(result: Result) -> dict[str, Any]:
         "unit": contender.unit,
         "edge_rule": contender.edge_rule or None,
         "tile": contender.tile or None,
-        "partitioning": contender.partitioning if is_ours else None,
+        "partitioning": (contender.partitioning or None) if is_ours else None,
     }
 
 

@@ -5,14 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Final
 
-from ..html import (
-    card,
-    figure,
-    listing,
-    paragraph,
-    row_of_figures,
-    section,
-)
+from ..html import card, figure, listing, paragraph, row_of_figures, section
 from ..template import filled_page
 from .outcome import SweepReport
 from .trials import Result
@@ -167,11 +160,11 @@ def _seen(made: SweepReport) -> str:
     names = [name for name in families if name in made.files]
     if not names:
         return section("Where the triangles go", paragraph("This machine draws no 3-D pictures."))
-    ramp = '<div class="ramp"><span>1</span><i></i><span>a tile’s cells</span></div>'
+    ramp = '<div class="ramp"><span>64 cells a segment</span><i></i><span>1</span></div>'
     pictures = [figure(made.files[name], name) for name in names]
     return section(
         "Where the triangles go",
-        paragraph("The first view, each patch in the colour of its inside factor.", kind="soft"),
+        paragraph("The first view, each patch coloured by how long its segments are.", kind="soft"),
         ramp,
         row_of_figures("two", pictures),
     )

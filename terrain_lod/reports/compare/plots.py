@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from ...paths import replacing
-from ...terrain.lod import Lod
 from ..maps import STYLE
 from .trials import Result
 
@@ -22,6 +21,7 @@ _LOOKS: Final[dict[str, tuple[str, str]]] = {
     "UniformLod": ("#9aa1ad", "o"),
     "DistanceLod": ("#56b4e9", "o"),
     "CoplanarityLod": ("#009e73", "o"),
+    "BookCoplanarityLod": ("#7fcfb9", "o"),
     "ScreenAreaLod": ("#8ab66f", "o"),
     "MaxErrorLod": ("#0b3d91", "o"),
     "ScreenErrorLod": ("#d55e00", "o"),
@@ -103,6 +103,4 @@ def _draw(ax: Axes, results: Sequence[Result], pair: Pair) -> None:
 
 def _is_drawn(result: Result, family: str) -> bool:
     contender = result.contender
-    default = "min" if isinstance(contender.lod, Lod) else "edge"
-    is_shown = contender.peer is not None or contender.edge_rule == default
-    return contender.family == family and is_shown
+    return contender.family == family and contender.edge_rule in ("", "min")

@@ -8,24 +8,24 @@ from typing import Final
 
 import numpy as np
 
-from ...device.layout import PARTITIONINGS
+from ...device.layout import DEFAULT_TILE, FLAT_TILE, PARTITIONINGS
 from ...errors import InputError
 from ...ground.heightmap import Heightmap
 from ...numbered import Number, begin, numbers_of
-from ...terrain.lod import AnyLod, Lod, PromiseLod, Weighted
+from ...terrain.lod import AnyLod, Lod, PromiseLod, Weighted, unweighted
 from ...terrain.lod_formulas import DistanceLod
 from ...terrain.lod_promises import BudgetLod, MaxErrorLod, ScreenErrorLod
 from ...terrain.lods import LODS
 from .peers import PEERS, Peer
 
-TILES: Final = (7, 15, 31, 63)
+TILES: Final = (4, 6, 8, 15, 31)
 
 # vertical errors asked for, in shares of the height range
 _METRES: Final = (0.0005, 0.002, 0.008, 0.03)
 _TIMES: Final = (0.5, 1.0, 2.0, 4.0)  # a number's default
 _WEIGHTS: Final = (2.0, 4.0, 8.0)  # of the horizon
 _FACTORS: Final = (0.2, 0.4, 0.7, 1.0)  # of a tile's cells
-_BUDGETS: Final = (4, 10, 30)  # triangles a tile
+_BUDGETS: Final = (4, 10, 30)  # triangles for as many cells as a tile of the book's has
 _SHARES: Final = (0.01, 0.03, 0.1)
 _STEPS: Final = (2, 4, 8, 16)
 
@@ -46,6 +46,7 @@ class Contender:
     peer : Peer or None
         One of the two is there.
     edge_rule, partitioning : str
+        Of formulas; empty where it is the default.
     tile : int
         Cells; these three say nothing of a peer.
     symbol : str
@@ -58,7 +59,7 @@ class Contender:
     lod: AnyLod | None = field(default=None, repr=False)
     peer: Peer | None = field(default=None, repr=False)
     edge_rule: str = ""
-    partitioning: str = "fractional_odd"
+    partitioning: str = ""
     tile: int = 0
     symbol: str = "m"
 
@@ -73,6 +74,11 @@ class Contender:
     def promises(self) -> bool:
         """Whether an error was asked for that is to be kept."""
         return self.lod is None or isinstance(self.lod, PromiseLod)
+
+    @property
+    def is_flat(self) -> bool:
+        """Whether it is made of tiles alone, not of patches of every size."""
+        return self.lod is not None and _is_formula(unweighted(self.lod))
 
     @property
     def asked_metres(self) -> float | None:
@@ -105,23 +111,35 @@ def installed(peers: Sequence[Peer] = PEERS) -> tuple[list[Peer], list[str]]:
     )
 
 
-def contenders(ground: Heightmap, tile: int) -> list[Contender]:
-    """Return everything that the sweep of `ground` tries at one tile size."""
+def contenders(ground: Heightmap, tile: int | None = None) -> list[Contender]:
+    """Return everything that the sweep of `ground` tries at one tile size, or each at its own."""
     symbol = ground.unit_symbols[1]
     return [replace(one, symbol=symbol) for one in (*_ours(ground, tile), *_theirs(ground))]
 
 
-def _ours(ground: Heightmap, tile: int) -> Iterator[Contender]:
+def _ours(ground: Heightmap, tile: int | None) -> Iterator[Contender]:
     for kind in LODS.values():
         name, what = swept_of(kind)
+        cells = _cells(kind, tile)
         for edge_rule in _edge_rules(kind):
-            for value in _tried(what, ground, tile):
+            for value in _tried(what, ground, cells):
                 lod = kind(**{name: value})
                 unit = what.unit or name
-                yield Contender(kind.__name__, value, unit, lod, edge_rule=edge_rule, tile=tile)
+                yield Contender(kind.__name__, value, unit, lod, edge_rule=edge_rule, tile=cells)
+    cells = _cells(ScreenErrorLod, tile)
     for weight in _WEIGHTS:
         weighted = Weighted(ScreenErrorLod(1.0), horizon=weight)
-        yield Contender("Weighted", weight, "weight", weighted, edge_rule="edge", tile=tile)
+        yield Contender("Weighted", weight, "weight", weighted, tile=cells)
+
+
+def _is_formula(lod: object) -> bool:
+    kind = lod if isinstance(lod, type) else type(lod)
+    return issubclass(kind, Lod)
+
+
+def _cells(kind: type[Lod | PromiseLod], tile: int | None) -> int:
+    """Return the cells of the tiles that a level of detail is tried on."""
+    return tile or (FLAT_TILE if _is_formula(kind) else DEFAULT_TILE)
 
 
 def swept_of(kind: type[Lod | PromiseLod]) -> tuple[str, Number]:
@@ -141,10 +159,8 @@ def swept_of(kind: type[Lod | PromiseLod]) -> tuple[str, Number]:
 
 def _edge_rules(kind: type[Lod | PromiseLod]) -> tuple[str, ...]:
     """Return the rules for shared edges that are tried."""
-    if issubclass(kind, BudgetLod):
-        return ("edge",)  # a budget is many meshes
     if issubclass(kind, PromiseLod):
-        return ("edge", "min", "max")
+        return ("",)
     return ("min", "max") if kind.needs_camera else ("min",)
 
 
@@ -155,7 +171,7 @@ def _tried(what: Number, ground: Heightmap, tile: int) -> tuple[float, ...]:
     if what.unit == "segments":
         return tuple(dict.fromkeys(max(1.0, round(share * tile)) for share in _FACTORS))
     if what.unit == "triangles":
-        tiles = int(np.prod([-(-(extent - 1) // tile) for extent in ground.shape]))
+        tiles = int(np.prod([-(-(extent - 1) // FLAT_TILE) for extent in ground.shape]))
         return tuple(tiles * each for each in _BUDGETS)
     middle = what.begin(float(np.hypot(*ground.extent)), tile) or 1.0
     low = -np.inf if what.low is None else what.low
@@ -163,11 +179,12 @@ def _tried(what: Number, ground: Heightmap, tile: int) -> tuple[float, ...]:
     return tuple(dict.fromkeys(held))
 
 
-def drawn(ground: Heightmap, tile: int) -> list[AnyLod]:
+def drawn(ground: Heightmap, tile: int | None) -> list[AnyLod]:
     """Return the levels of detail that pictures are made of, as a viewer begins with them."""
     size = float(np.hypot(*ground.extent))
     kinds = (kind for kind in LODS.values() if not issubclass(kind, BudgetLod))
-    return [*(begin(kind, size, tile) for kind in kinds), Weighted(ScreenErrorLod(1.0))]
+    begun = (begin(kind, size, _cells(kind, tile)) for kind in kinds)
+    return [*begun, Weighted(ScreenErrorLod(1.0))]
 
 
 def _theirs(ground: Heightmap) -> Iterator[Contender]:
@@ -186,7 +203,6 @@ def tile_sizes(ground: Heightmap) -> list[Contender]:
             value,
             unit,
             lod,
-            edge_rule="edge",
             tile=tile,
             symbol=ground.unit_symbols[1],
         )
@@ -198,10 +214,11 @@ def tile_sizes(ground: Heightmap) -> list[Contender]:
     ]
 
 
-def partitionings(tile: int) -> list[Contender]:
+def partitionings(tile: int | None = None) -> list[Contender]:
     """Return distance LOD in every partitioning: what differs is how much it pops."""
-    lod = DistanceLod(maximum=float(tile))
+    cells = _cells(DistanceLod, tile)
+    lod = DistanceLod(maximum=float(cells))
     return [
-        Contender("DistanceLod", float(tile), "segments", lod, None, "min", name, tile)
+        Contender("DistanceLod", float(cells), "segments", lod, None, "min", name, cells)
         for name in PARTITIONINGS
     ]

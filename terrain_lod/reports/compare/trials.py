@@ -115,28 +115,32 @@ class Course:
         way = flyover(ground, _PICTURES)
         starts = np.linspace(0, _PICTURES - 2, views).astype(int)
         self.pairs = [(way[start], way[start + 1]) for start in starts]
-        self._terrains: dict[int, Terrain] = {}
+        self._terrains: dict[tuple[int | None, bool], Terrain] = {}
 
     @property
     def cameras(self) -> list[Camera]:
         return [camera for camera, _ in self.pairs]
 
-    def terrain(self, tile: int) -> Terrain:
-        """Return the terrain in tiles of `tile`, kept."""
-        if tile not in self._terrains:
-            self._terrains[tile] = Terrain(self.ground, tile=tile, device=self.device)
-        return self._terrains[tile]
+    def terrain(self, tile: int | None, *, flat: bool) -> Terrain:
+        """Return the terrain in tiles of `tile`, or as many as is usual; kept."""
+        key = tile, flat
+        if key not in self._terrains:
+            self._terrains[key] = self._made(tile, flat=flat)
+        return self._terrains[key]
+
+    def _made(self, tile: int | None, *, flat: bool) -> Terrain:
+        return Terrain(self.ground, tile=tile, levels=1 if flat else None, device=self.device)
 
     def mesh(self, contender: Contender, camera: Camera, terrain: Terrain | None = None) -> Mesh:
         """Return a contender's mesh for a camera."""
         if contender.peer is not None:
             return contender.peer.mesh(self.ground, contender.parameter)
-        terrain = terrain or self.terrain(contender.tile)
+        terrain = terrain or self.terrain(contender.tile, flat=contender.is_flat)
         return terrain.mesh(
             None if contender.is_static else camera,
             lod=contender.lod,
-            edge_rule=contender.edge_rule,
-            partitioning=contender.partitioning,
+            edge_rule=contender.edge_rule or None,
+            partitioning=contender.partitioning or None,
         )
 
     def measure(self, contender: Contender) -> Result:
@@ -154,7 +158,8 @@ class Course:
         largest = max(meshes, key=lambda mesh: len(mesh.triangles))
         held = 0
         if contender.peer is None:
-            held = sum(device_bytes(self.terrain(contender.tile), largest).values())
+            terrain = self.terrain(contender.tile, flat=contender.is_flat)
+            held = sum(device_bytes(terrain, largest).values())
         return Result(
             contender,
             int(median(len(mesh.triangles) for mesh in meshes)),
@@ -204,7 +209,7 @@ class Course:
         def whole() -> Mesh:
             terrain = None
             if contender.peer is None:
-                terrain = Terrain(self.ground, tile=contender.tile, device=self.device)
+                terrain = self._made(contender.tile, flat=contender.is_flat)
             return self.mesh(contender, camera, terrain)
 
         held, _ = _held_and_peak(clear=True)

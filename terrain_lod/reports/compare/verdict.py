@@ -15,7 +15,6 @@ def findings(
         *_promises(sweep),
         *_counts(sweep),
         *_in_view(sweep),
-        *_edge_rules(sweep),
         *_tile_sizes(tiles),
         *_pops(partitionings),
     ]
@@ -94,18 +93,6 @@ def _in_view(sweep: Sequence[Result]) -> Iterator[str]:
     )
 
 
-def _edge_rules(sweep: Sequence[Result]) -> Iterator[str]:
-    rules = [r for r in sweep if r.contender.family == "ScreenErrorLod"]
-    same = [r for r in rules if r.contender.parameter == 1.0]
-    if len(same) > 1:
-        each = "; ".join(
-            f"{r.contender.edge_rule} {r.triangles:,} triangles, {r.pixels:.3g} pixels, "
-            f"pop {r.pop:.3g}"
-            for r in same
-        )
-        yield f"Edge rules, at one pixel: {each}."
-
-
 def _tile_sizes(tiles: Sequence[Result]) -> Iterator[str]:
     for family in dict.fromkeys(result.contender.family for result in tiles):
         best = min(_of(tiles, family), key=lambda result: result.triangles)
@@ -126,7 +113,7 @@ def _pops(partitionings: Sequence[Result]) -> Iterator[str]:
 
 
 def _same_tolerance(sweep: Sequence[Result], peer: str) -> Iterator[tuple[Result, Result]]:
-    """Yield our result under the rule ``edge`` and a peer's, for each tolerance of both."""
+    """Yield our result and a peer's, for each tolerance of both."""
     for theirs in _of(sweep, peer):
         ours = _find(sweep, "MaxErrorLod", theirs.contender.parameter)
         if ours is not None:
@@ -139,7 +126,7 @@ def _of(results: Sequence[Result], family: str) -> list[Result]:
 
 def _find(results: Sequence[Result], family: str, parameter: float) -> Result | None:
     for result in _of(results, family):
-        if result.contender.parameter == parameter and result.contender.edge_rule == "edge":
+        if result.contender.parameter == parameter:
             return result
     return None
 

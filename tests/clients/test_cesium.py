@@ -1,0 +1,155 @@
+"""CesiumJS itself, asked for the heights of tiles that we wrote: the ground's, as stated."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import terrain_lod as tl
+from support.client_page import library, opened
+from support.tilesets import jacksboro, places
+from terrain_lod.tilesets.serve import Site
+
+pytestmark = pytest.mark.slow
+
+PICTURE = """
+    const { viewer } = tiles
+    viewer.useDefaultRenderLoop = false
+    viewer.scene.render()
+    return viewer.scene.canvas.toDataURL()
+"""
+SAMPLE = """
+    const places = given.map(([lon, lat]) => Cesium.Cartographic.fromDegrees(lon, lat))
+    const found = await Cesium.sampleTerrainMostDetailed(tiles.provider, places)
+    return found.map(place => place.height ?? null)
+"""
+# what is drawn: the triangles themselves
+DRAWN = """
+    const { viewer: { scene }, tileset } = tiles
+    return given.map(([lon, lat]) => {
+        const place = Cesium.Cartographic.fromDegrees(lon, lat)
+        return (tileset ? tileset.getHeight(place, scene) : scene.globe.getHeight(place)) ?? null
+    })
+"""
+LEVELS = "return tiles.viewer.scene.globe._surface._tilesToRender.map(tile => tile.level)"
+FINE = "tiles.tileset.maximumScreenSpaceError = given[0]"
+LOADED = "(tiles.tileset ?? tiles.viewer.scene.globe).tilesLoaded"
+
+
+@pytest.fixture(scope="module")
+def cesium():
+    return library("cesium")
+
+
+@pytest.fixture(scope="module")
+def ground():
+    return jacksboro()
+
+
+@pytest.fixture(scope="module")
+def samples(ground):
+    return places(ground)
+
+
+@pytest.fixture(scope="module")
+def globe(ground, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("globe")
+    return tl.write_tiles(ground, folder, error=8.0)
+
+
+@pytest.fixture(scope="module")
+def boxes(ground, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("boxes")
+    return tl.write_tiles(ground, folder, format="3dtiles", error=8.0, zoom=2)
+
+
+def asked(page, script, samples):
+    """Return the heights that a client says, NaN where it has none."""
+    return np.array(page.ask(script.replace("given", "given[0]"), samples[:, :2].tolist()), float)
+
+
+def require_clean(page):
+    assert page.ask("return tiles.failed") == []
+    assert page.complaints() == []
+    assert page.elsewhere() == []
+
+
+def require_ground(picture):
+    """Check that a picture shows ground: much of it shaded, none of it torn to the sky."""
+    grey = picture.astype(float).mean(axis=2)
+    assert grey.std() > 8
+    sky = (abs(picture.astype(int) - [158, 195, 230]).max(axis=2) < 3).mean()
+    assert sky < 0.6
+
+
+def worst_of(page, script, samples):
+    return float(abs(asked(page, script, samples) - samples[:, 2]).max())
+
+
+def test_heights_of_the_globe_are_within_what_was_stated(cesium, globe, samples):
+    with opened(Site.of(globe.folder, cesium)) as page:
+        page.wait("window.tiles?.ready")
+        assert worst_of(page, SAMPLE, samples) <= globe.error
+        page.settle(LOADED)
+        levels = page.ask(LEVELS)
+        # levels below the deepest are cut out of it
+        drawn = min(max(levels), globe.records[-1].z)
+        stated = max(record.error for record in globe.records if record.z >= min(drawn, *levels))
+        # triangles on the graphics card have 12 bits a coordinate: half a step of the tile's size
+        assert worst_of(page, DRAWN, samples) <= stated + 1
+        require_ground(page.picture(PICTURE))
+        require_clean(page)
+
+
+@pytest.mark.parametrize("tiling", ["implicit", "explicit"])
+def test_heights_of_boxes_are_within_what_was_stated(
+    cesium, ground, boxes, samples, tiling, tmp_path
+):
+    report = boxes
+    if tiling == "explicit":
+        report = tl.write_tiles(
+            ground, tmp_path, format="3dtiles", error=8.0, zoom=2, tiling="explicit"
+        )
+    with opened(Site.of(report.folder, cesium)) as page:
+        page.wait("window.tiles?.ready")
+        for pixels, level in ((16.0, 0), (0.001, 2)):
+            page.ask(FINE, pixels)
+            page.settle(LOADED)
+            stated = max(record.error for record in report.records if record.z == level)
+            assert worst_of(page, DRAWN, samples) <= stated
+        selected = page.ask("return tiles.tileset.statistics.selected")
+        assert selected == sum(record.z == 2 for record in report.records)
+        require_ground(page.picture(PICTURE))
+        require_clean(page)
+
+
+def test_wrong_heights_are_seen(cesium, ground, samples, tmp_path):
+    raised = tl.Heightmap(ground.elevation + 20, spacing=ground.spacing, origin=ground.origin,
+                          crs=ground.crs)  # fmt: skip
+    report = tl.write_tiles(raised, tmp_path, error=8.0)
+    with opened(Site.of(report.folder, cesium)) as page:
+        page.wait("window.tiles?.ready")
+        assert worst_of(page, SAMPLE, samples) > report.error
+
+
+def test_truncated_tiles_are_seen(cesium, globe, samples, tmp_path):
+    folder = Path(shutil.copytree(globe.folder, tmp_path / "broken"))
+    for record in globe.records:
+        if record.z == globe.records[-1].z:
+            path = folder / record.path
+            path.write_bytes(path.read_bytes()[:200])
+    with opened(Site.of(folder, cesium)) as page:
+        page.wait("window.tiles?.ready")
+        assert not worst_of(page, SAMPLE, samples) <= globe.error
+
+
+def test_a_missing_subtree_is_seen(cesium, boxes, samples, tmp_path):
+    folder = Path(shutil.copytree(boxes.folder, tmp_path / "broken"))
+    (folder / "subtrees/0/0/0.subtree").unlink()
+    with opened(Site.of(folder, cesium)) as page:
+        page.wait("window.tiles?.ready")
+        page.wait("tiles.failed.length")
+        assert not worst_of(page, DRAWN, samples) <= boxes.records[0].error
