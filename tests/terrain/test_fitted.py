@@ -51,7 +51,13 @@ def errors_off(mesh: tl.Mesh, ground: tl.Heightmap) -> float:
 
 
 @pytest.mark.parametrize(
-    ("name", "tile"), [*((name, 4) for name in GROUNDS), ("odd sizes", 1), ("holed", 7)]
+    ("name", "tile"),
+    [
+        *((name, 4) for name in GROUNDS),
+        # kernels of their own
+        pytest.param("odd sizes", 1, marks=pytest.mark.slow),
+        pytest.param("holed", 7, marks=pytest.mark.slow),
+    ],
 )
 def test_an_error_in_metres_is_kept_from_outside(name: str, tile: int) -> None:
     ground = GROUNDS[name]
@@ -81,6 +87,7 @@ def test_what_is_measured_are_the_floating_triangles() -> None:
     np.testing.assert_allclose(mesh.achieved.metres, outside, rtol=1e-3)
 
 
+@pytest.mark.slow
 def test_detail_is_kept_as_the_sum_is() -> None:
     detail = tl.Heightmap(np.random.default_rng(1).normal(size=(9, 11)), spacing=10.0)
     ground = rough(40, 33, spacing=30.0)
