@@ -119,6 +119,7 @@ def test_weights_are_kept() -> None:
     assert tl.screen_error(weighted, ground, camera).maximum <= 2.0
 
 
+@pytest.mark.slow
 def test_a_budget_has_less_error_than_on_the_ground() -> None:
     ground = GROUNDS["hills"]
     terrain = tl.Terrain(ground, tile=4)
