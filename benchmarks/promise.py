@@ -3,12 +3,15 @@
     python benchmarks/promise.py against [--ground ridge] [--samples 512] [--metres 1 5 30]
     python benchmarks/promise.py view [--samples 512]
     python benchmarks/promise.py ladder [--megapixels 1 4 16 64]
-    python benchmarks/promise.py tree [--ground ridge] [--tiles 4 6 8]
+    python benchmarks/promise.py tree [--ground ridge] [--tiles 4 6 8] [--heights fitted]
+    python benchmarks/promise.py heights [--ground ridge] [--metres 5 30]
 
 `against`: from raster in host memory to mesh in host memory, ladder included; and triangles.
 `view`: one pixel over a low flight against the one static mesh that keeps a pixel over all of it.
 `ladder`: seconds a megapixel as the raster grows, of what odd factors are chosen from.
-`tree`: triangles and time of patches of every size, beside the flat grid and pydelatin.
+`tree`: triangles and time of patches of every size, beside the flat grid and pydelatin; vertices on
+the ground, or floating.
+`heights`: vertices that float beside those on the ground: triangles, time, shading, jumps.
 
 Works are run in turn, and ratios taken within a round: noise meets all alike.
 """
@@ -101,7 +104,9 @@ def against(
             )
 
 
-def tree(name: str, samples: int, tolerances: list[float], tiles: list[int]) -> list[float]:
+def tree(
+    name: str, samples: int, tolerances: list[float], tiles: list[int], heights: str
+) -> list[float]:
     """Print triangles of patches of every size and of the flat grid: shares of pydelatin's."""
     ground, best = ground_of(name, samples), []
     for metres in tolerances:
@@ -110,19 +115,48 @@ def tree(name: str, samples: int, tolerances: list[float], tiles: list[int]) -> 
         for tile in tiles:
             terrain, flat = tl.Terrain(ground, tile=tile), tl.Terrain(ground, tile=tile, levels=1)
             lod = tl.MaxErrorLod(metres)
-            mesh, other = (each.mesh(lod=lod) for each in (terrain, flat))
-            seconds, _ = seconds_of(partial(terrain.mesh, lod=lod))
+            other = flat.mesh(lod=lod)
+            work = partial(terrain.mesh, lod=lod, heights=heights)
+            mesh, (seconds, _) = work(), seconds_of(work)
+            assert mesh.achieved
             worst = tl.vertical_error(mesh, ground).maximum / metres
             share = len(mesh.triangles) / base
             found.append(share)
             print(
                 f"{name} {metres:3g} m, tiles of {tile}: {share:.2f} x pydelatin's {base:,}, flat "
-                f"{len(other.triangles) / base:.2f} x; worst {worst:.3f} of what was asked, again "
-                f"in {1e3 * seconds:.0f} ms",
+                f"grid {len(other.triangles) / base:.2f} x; worst {worst:.4f} of what was asked, "
+                f"{mesh.achieved.rounds} rounds, again in {1e3 * seconds:.0f} ms",
                 flush=True,
             )
         best.append(found[0])
     return best
+
+
+def heights(name: str, samples: int, tolerances: list[float], tile: int, views: int) -> None:
+    """Print what floating vertices cost and save: triangles, time, shading, jumps of a flight."""
+    ground = ground_of(name, samples)
+    terrain, cameras = tl.Terrain(ground, tile=tile), flyover(ground, 10 * views, fov=55)[:views]
+    pixel = tl.ScreenErrorLod(1.0)
+    for each in ("ground", "fitted"):
+        for metres in tolerances:
+            lod = tl.MaxErrorLod(metres)
+            work = partial(terrain.mesh, lod=lod, heights=each)
+            mesh, (seconds, _) = work(), seconds_of(work)
+            steepest, rms = tl.normal_error(mesh, ground)
+            print(
+                f"{name} {metres:3g} m, {each}: {len(mesh.triangles):,} triangles in "
+                f"{1e3 * seconds:.0f} ms, normals {rms:.1f} degrees off the ground's RMS, "
+                f"{steepest:.0f} at most"
+            )
+        made = [seconds_of(partial(terrain.mesh, at, lod=pixel, heights=each)) for at in cameras]
+        meshes = [mesh for _, mesh in made]
+        pops = tl.pop_metric(meshes, ground, cameras)
+        print(
+            f"{name} 1 pixel, {each}: {median(len(mesh.triangles) for mesh in meshes):,.0f} "
+            f"triangles in {1e3 * median(seconds for seconds, _ in made):.0f} ms, jumps of "
+            f"{pops.maximum:.2f} pixels at most, {pops.rms:.3f} RMS",
+            flush=True,
+        )
 
 
 def view(name: str, samples: int, tiles: list[int], views: int) -> None:
@@ -193,12 +227,13 @@ def ladder(megapixels: list[int], tiles: list[int], rounds: int) -> None:
 def main() -> None:
     """Run the chosen part."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("part", choices=("against", "view", "ladder", "tree"))
+    parser.add_argument("part", choices=("against", "view", "ladder", "tree", "heights"))
     parser.add_argument("--ground", nargs="+", default=["ridge"])
     parser.add_argument("--samples", type=int, default=512)
     parser.add_argument("--metres", type=float, nargs="+", default=[1.0, 5.0, 30.0])
     parser.add_argument("--megapixels", type=int, nargs="+", default=[1, 4, 16, 64])
     parser.add_argument("--tiles", type=int, nargs="+", default=list(TILES))
+    parser.add_argument("--heights", choices=("ground", "fitted"), default="ground")
     parser.add_argument("--views", type=int, default=12)
     parser.add_argument("--rounds", type=int, default=5)
     options = parser.parse_args()
@@ -209,13 +244,18 @@ def main() -> None:
         shares = [
             share
             for name in options.ground
-            for share in tree(name, options.samples, options.metres, options.tiles)
+            for share in tree(name, options.samples, options.metres, options.tiles, options.heights)
         ]
         mean = float(np.exp(np.mean(np.log(shares))))
-        print(f"tiles of {options.tiles[0]}: {mean:.3f} x pydelatin's, the geometric mean")
+        print(
+            f"tiles of {options.tiles[0]}, {options.heights} heights: {mean:.3f} x pydelatin's, "
+            "the geometric mean"
+        )
         return
     for name in options.ground:
-        if options.part == "against":
+        if options.part == "heights":
+            heights(name, options.samples, options.metres, options.tiles[0], options.views)
+        elif options.part == "against":
             against(name, options.samples, options.metres, options.tiles, options.rounds)
         else:
             view(name, options.samples, options.tiles, options.views)

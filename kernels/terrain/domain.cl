@@ -69,7 +69,7 @@ __kernel void domain(const Grid grid,
             const float3 normal = normal_of(grid, rise_between(ground, column, row));
             positions[3 * i + 0] = cells_along(column) * grid.dx;
             positions[3 * i + 1] = -cells_along(row) * grid.dy;
-            positions[3 * i + 2] = height_between(ground, column, row);
+            positions[3 * i + 2] = lifted(set, i, height_between(ground, column, row));
             normals[3 * i + 0] = normal.x;
             normals[3 * i + 1] = normal.y;
             normals[3 * i + 2] = normal.z;

@@ -9,12 +9,19 @@
 #include "terrain/ground.h"
 #include "terrain/node.h"
 
-#define FINEST FINER    // levels at which every sample is looked at, beyond the first
+// Levels at which every sample is looked at, beyond the first. A lattice's bound leaves little to float within:
+// vertices that float have every sample looked at up to 128 cells.
+#if LIFTED && !DETAIL
+#define FINEST (FINER + (TILE <= 4 ? 3 : TILE <= 8 ? 2 : 1))
+#else
+#define FINEST FINER
+#endif
 
 #define PATCH_ARGUMENTS                                                                            \
     const Tree tree, __global const int *leaves, __global const uint *side_offsets,                \
-    __global const int *side_places, __global const float *inside_factors,
-#define PATCH_SET {tree, leaves, side_offsets, side_places, inside_factors}
+    __global const int *side_places, __global const float *inside_factors,                         \
+    __global const float *lifts,
+#define PATCH_SET {tree, leaves, side_offsets, side_places, inside_factors, lifts}
 
 typedef struct {
     Tree tree;
@@ -22,6 +29,7 @@ typedef struct {
     __global const uint *side_offsets;          // (P * 4 + 1,)
     __global const int *side_places;            // of their points, 1/65536 of a cell
     __global const float *inside_factors;       // (P, 2)
+    __global const float *lifts;                // (N,) of points above the ground, where LIFTED
 } PatchSet;
 
 typedef struct {
@@ -40,7 +48,7 @@ inline int number_of(const PatchSet set, int patch)
 inline Placing placing_of(const Grid grid, const PatchSet set, int patch)
 {
     const Node node = node_at(set.tree, set.leaves[patch]);
-    const Placing placing = {node_tile(grid, node), stride_of(node.level),
+    const Placing placing = {node_tile(grid, node), node.level > FINEST ? stride_of(node.level) : 1,
                              set.side_offsets + patch * EDGES, set.side_places,
                              (int2)((int)set.inside_factors[2 * patch],
                                     (int)set.inside_factors[2 * patch + 1])};
@@ -77,6 +85,16 @@ inline int2 place_of(const Placing placing, uint2 point)
         return (int2)(side_place(placing, 3, point.x), tile.cells_down * FIXED_ONE);
     return (int2)(inside_place(point.x, placing.insides.x, tile.cells_across),
                   inside_place(point.y, placing.insides.y, tile.cells_down));
+}
+
+// the height of a point of the pattern, by its number and that of the ground there
+inline float lifted(const PatchSet set, uint point, float height)
+{
+#if LIFTED
+    return height + set.lifts[point];
+#else
+    return height;
+#endif
 }
 
 #endif

@@ -39,4 +39,10 @@ inline int2 place_of(const Placing placing, uint2 point)
     return (int2)(cell_offset(placing.across, point.x), cell_offset(placing.down, point.y));
 }
 
+// points of tiles stand on the ground
+inline float lifted(const PatchSet set, uint point, float height)
+{
+    return height;
+}
+
 #endif

@@ -113,7 +113,7 @@ inline Real triangle_errors(const TileSamples samples, const float4 a, const flo
     return error > 0.0f ? bound : (Real)0.0f;
 }
 
-// Is a tile meshed in full? As many points as samples, each on a sample, and twice as many triangles
+// Is a tile meshed in full, on the ground? As many points as samples, each on a sample, and twice as many triangles
 // as cells: then, by Pick's theorem, no triangle holds a sample but its corners, and none has an
 // error. The same for all items of a group.
 inline bool shows_all_samples(const Placing placing, __global const uint2 *points, uint point_count,
@@ -173,7 +173,7 @@ __kernel void tile_error(const Grid grid,
             continue;
         const Placing placing = placing_of(grid, set, patch);
         const Tile tile = placing.tile;
-        const bool is_full = shows_all_samples(
+        const bool is_full = !LIFTED && shows_all_samples(
             placing, points + point_offsets[patch],
             point_offsets[patch + 1] - point_offsets[patch],
             triangle_offsets[patch + 1] - triangle_offsets[patch], scratch);
@@ -185,8 +185,8 @@ __kernel void tile_error(const Grid grid,
         for (uint i = point_offsets[patch] + get_local_id(0); i < point_offsets[patch + 1];
              i += GROUP) {
             const int2 offset = place_of(placing, points[i]);
-            const float height = height_between(ground, global_coordinate(tile.column, offset.x),
-                                                global_coordinate(tile.row, offset.y));
+            const float height = lifted(set, i, height_between(ground, global_coordinate(tile.column, offset.x),
+                                                               global_coordinate(tile.row, offset.y)));
             const bool is_off = ((offset.x | offset.y) & (FIXED_ONE - 1)) != 0;
             const float scale = 1.0f / FIXED_ONE / placing.stride;
             corners[i] = (float4)(offset.x * scale, offset.y * scale, height, is_off);

@@ -27,13 +27,13 @@ from .options import (
     CameraOptions,
     Ground,
     GroundOptions,
-    MeshingOptions,
     Output,
     OutputFolder,
     OverlayOptions,
     Sun,
     Switch,
     TerrainOptions,
+    VertexOptions,
 )
 from .output import PROGRAM, complain, log, progress_bar, say, say_table, set_verbosity, warn
 from .pattern import pattern
@@ -110,7 +110,7 @@ def render(
     overlay: OverlayOptions = OverlayOptions(),  # noqa: B008
     view: CameraOptions = CameraOptions(),  # noqa: B008
     lod: LodOptions = LodOptions(),  # noqa: B008
-    meshing: MeshingOptions = MeshingOptions(),  # noqa: B008
+    meshing: VertexOptions = VertexOptions(),  # noqa: B008
     terrain: TerrainOptions = TerrainOptions(),  # noqa: B008
     many: PathOptions = PathOptions(),  # noqa: B008
 ) -> None:
@@ -172,7 +172,7 @@ def mesh(
     overlay: OverlayOptions = OverlayOptions(),  # noqa: B008
     view: CameraOptions = CameraOptions(),  # noqa: B008
     lod: LodOptions = LodOptions(),  # noqa: B008
-    meshing: MeshingOptions = MeshingOptions(),  # noqa: B008
+    meshing: VertexOptions = VertexOptions(),  # noqa: B008
     terrain: TerrainOptions = TerrainOptions(),  # noqa: B008
 ) -> None:
     """Write the mesh that a camera deserves, and say how far it is from the ground.

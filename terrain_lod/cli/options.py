@@ -185,6 +185,16 @@ class MeshingOptions:
     every size; else fractional_odd, or integer in tiles of an even number of cells."""
 
 
+@Parameter(name="*", group=DETAIL)
+@dataclass(frozen=True)
+class VertexOptions(MeshingOptions):
+    """How factors become triangles, and where their vertices stand."""
+
+    heights: Literal["ground", "fitted"] = "ground"
+    """Vertices on the ground, or floating within the error that a promise keeps: fewer
+    triangles, more time."""
+
+
 @Parameter(name="*", group=_WORK)
 @dataclass(frozen=True)
 class TerrainOptions:

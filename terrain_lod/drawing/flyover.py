@@ -53,6 +53,7 @@ def render_path(
     look: Look = Look(),
     edge_rule: str | None = None,
     partitioning: str | None = None,
+    heights: str = "ground",
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[Path, ...]:
     """Write a picture a camera, named 0000.png and on.
@@ -66,7 +67,7 @@ def render_path(
     lods : sequence of Lod, PromiseLod or Weighted
         One, or two to be shown side by side.
     look : Look, optional
-    edge_rule, partitioning : str, optional
+    edge_rule, partitioning, heights : str, optional
         As for :meth:`terrain_lod.Terrain.mesh`.
     progress : callable, optional
         Called with pictures done and pictures in all.
@@ -85,7 +86,11 @@ def render_path(
     FileError
         If the folder or a picture cannot be written.
     """
-    meshing: dict[str, Any] = {"edge_rule": edge_rule, "partitioning": partitioning}
+    meshing: dict[str, Any] = {
+        "edge_rule": edge_rule,
+        "partitioning": partitioning,
+        "heights": heights,
+    }
     if len(lods) not in (1, 2):
         raise InputError(f"expected one or two levels of detail, got {len(lods)}")
     for lod in lods:

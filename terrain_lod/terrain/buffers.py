@@ -138,6 +138,8 @@ class PatchSet:
         What this header wants.
     details : DeviceArray
         By the numbers that the header gives patches: drift, minimum, maximum, samples without data.
+    is_lifted : bool
+        Whether points of the pattern stand off the ground.
     """
 
     ground: DeviceGround
@@ -145,6 +147,11 @@ class PatchSet:
     count: int
     arguments: dict[str, Any]
     details: DeviceArray
+    is_lifted: bool = False
+
+    def lifted(self, lifts: DeviceArray) -> PatchSet:
+        """Return the same with points so far above the ground; (N,) float32."""
+        return replace(self, arguments={**self.arguments, "lifts": lifts}, is_lifted=True)
 
     @property
     def device(self) -> Device:
@@ -158,6 +165,7 @@ class PatchSet:
             "PATCHES": f'"{self.header}"',
             "TILE": tile,
             "FINER": lattice_levels(tile),
+            "LIFTED": int(self.is_lifted),
             **self.ground.defines,
         }
 

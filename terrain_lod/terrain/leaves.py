@@ -264,6 +264,7 @@ class Leaves:
             "side_offsets": self.sides.offsets,
             "side_places": self.sides.places,
             "inside_factors": self._insides,
+            "lifts": self._insides,  # not looked at until there are any
         }
         header = "terrain/patch_leaves.h"
         return PatchSet(self.tree.ground, header, self.count, arguments, self.tree.details)

@@ -18,6 +18,7 @@ from ..camera.camera import Camera
 from ..device.device import DeviceArray
 from ..errors import InputError
 from ..mesh.mesh import Achieved
+from .fitted import fitted_mesh
 from .leaves import Drawn, Leaves
 from .lod import PromiseLod
 from .meshing import Tessellated
@@ -76,6 +77,8 @@ class Promise:
         How many times a tile's error counts.
     steady : Steady or None
         What patches were allowed in the last mesh.
+    heights : {"ground", "fitted"}
+        Whether vertices stand on the ground, or float within the error.
     """
 
     tiles: DeviceTiles
@@ -85,6 +88,7 @@ class Promise:
     cull: bool
     weights: DeviceArray | None = None
     steady: Steady | None = None
+    heights: str = "ground"
 
     def keep(self, lod: PromiseLod) -> Kept:
         """Return the cheapest mesh found that keeps what `lod` promises."""
@@ -96,6 +100,8 @@ class Promise:
         return self._least_error(lod.triangles, lod.metres, in_pixels=False)
 
     def _within(self, metres: float, pixels: float) -> Kept:
+        if self.heights == "fitted":
+            return self._within_fitted(metres, pixels)
         if self.partitioning == "integer":
             return self._within_tree(metres, pixels)
         selection = Selection.start(
@@ -152,6 +158,24 @@ class Promise:
             drawn = leaves.drawn()
         achieved = _achieved(drawn.measured, drawn.allowed, pixels, exceeding, rounds)
         return Kept(replace(made, achieved=achieved), drawn)
+
+    def _within_fitted(self, metres: float, pixels: float) -> Kept:
+        tree = self.tiles.tree
+        assert tree is not None  # who promises has it made
+        standing = self._within_tree(metres, pixels)
+        found = fitted_mesh(
+            tree,
+            self.tiles.view(self.camera),
+            cull=self.cull,
+            metres=metres,
+            pixels=pixels,
+            weights=self.weights,
+            fewer_than=standing.triangle_count,
+        )
+        if found is None:
+            return standing
+        achieved = _achieved(found.drawn.measured, found.drawn.allowed, pixels, 0, found.rounds)
+        return Kept(replace(found.made, achieved=achieved), found.drawn)
 
     def _least_error(self, triangles: int, enough: float, *, in_pixels: bool) -> Kept:
         """Return the mesh of at most so many `triangles` with the least error above `enough`."""

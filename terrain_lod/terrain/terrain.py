@@ -27,6 +27,7 @@ from ..mesh.hits import Hits, checked_points, checked_rays
 from ..mesh.mesh import Mesh
 from .analysis import TileAnalysis
 from .buffers import DeviceGround
+from .fitted import HEIGHTS, check_fitted
 from .hull import hull_on_device
 from .lod import AnyLod, PromiseLod, Scene, Weighted, checked_lod, unweighted
 from .lod_formulas import UniformLod
@@ -171,6 +172,7 @@ class Terrain:
         lod: AnyLod | None = None,
         edge_rule: str | None = None,
         partitioning: str | None = None,
+        heights: str = "ground",
         cull: bool = True,
         steady: Steady | None = None,
     ) -> Mesh:
@@ -191,6 +193,10 @@ class Terrain:
             How factors divide a patch. Default: ``"integer"`` with a promise, which is then kept by
             patches of every size; with a formula ``"fractional_odd"``, which moves smoothly, and
             ``"integer"`` in tiles of an even number of cells, where it would miss the samples.
+        heights : {"ground", "fitted"}, optional
+            Whether vertices stand on the ground, or float within the error that is promised, where
+            that makes it least: fewer triangles, in more time. For promises in the partitioning
+            ``"integer"``. Normals are the ground's.
         cull : bool, optional
             Leave out the patches whose bounds are out of view.
         steady : Steady, optional
@@ -205,7 +211,7 @@ class Terrain:
         ------
         InputError
             If `lod` is no level of detail, or needs a camera and there is none, or a name is
-            unknown.
+            unknown, or heights are to be fitted to what is no promise.
         DeviceMemoryError
             If the device cannot hold the mesh.
         """
@@ -230,6 +236,9 @@ class Terrain:
                 f"expected an error to keep by patches of every size with {steady}, got "
                 f"{bare} in {partitioning}"
             )
+        one_of("heights", heights, HEIGHTS)
+        if heights == "fitted":
+            check_fitted(lod, partitioning, steady)
         if camera is None and lod.needs_camera:
             raise InputError(f"{type(lod).__name__} needs a camera, got none")
         cull = flag("cull", cull) and camera is not None
@@ -244,7 +253,9 @@ class Terrain:
                     tiles, camera, horizon=weighted.horizon, silhouette=weighted.silhouette
                 )
             if isinstance(lod, PromiseLod):
-                promise = Promise(tiles, camera, partitioning, "edge", cull, weights, steady)
+                promise = Promise(
+                    tiles, camera, partitioning, "edge", cull, weights, steady, heights
+                )
                 kept = promise.keep(lod)
                 made, drawn = kept.made, kept.drawn
             else:

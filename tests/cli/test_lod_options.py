@@ -52,6 +52,19 @@ def test_every_level_of_detail_and_every_partitioning(capsys) -> None:
     assert made(capsys, "--lod", "area", "--pixels", "99") < made(capsys, "--lod", "area")
 
 
+def test_fitted_heights(capsys) -> None:
+    promise = ["--lod", "max-error", "--metres", "1", "--tile", "4"]
+    assert made(capsys, *promise, "--heights", "fitted") < 0.8 * made(capsys, *promise)
+    wanted = ["mesh", "hills.npy", "-o", "none.ply", "--heights", "fitted"]
+    for options, what in (
+        (["--lod", "uniform", "--partitioning", "integer"], "UniformLod"),
+        (["--lod", "screen-error", "--partitioning", "pow2"], "pow2"),
+    ):
+        assert run([*wanted, *options]) == REFUSED
+        assert what in capsys.readouterr().err
+    assert not Path("none.ply").exists()
+
+
 def test_weights_weigh_what_was_asked_for(capsys) -> None:
     terrain = tl.Terrain(tl.load("hills.npy"), levels=1)
     camera = tl.default_camera(terrain.ground)
