@@ -16,6 +16,7 @@ import numpy as np
 import terrain_lod as tl
 from terrain_lod.checks.curved import _prism
 from terrain_lod.curved.catmull_clark import catmull_clark_patches
+from terrain_lod.curved.continuity import patch_continuity
 from terrain_lod.curved.control_mesh import Array, ControlMesh, Rings
 from terrain_lod.reference.curved.bezier import field
 

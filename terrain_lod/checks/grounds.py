@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from ..camera.camera import Camera
 from ..device.device import Device
-from ..device.layout import DEFAULT_TILE
+from ..device.layout import FLAT_TILE
 from ..ground.grid import TileGrid
 from ..ground.heightmap import Heightmap
 from ..ground.relief import Relief
@@ -31,7 +31,7 @@ class Ground:
     """A heightmap with what its references find; they are given the sum of it and its detail."""
 
     def __init__(
-        self, ground: Heightmap, *, detail: Heightmap | None = None, tile: int = DEFAULT_TILE
+        self, ground: Heightmap, *, detail: Heightmap | None = None, tile: int = FLAT_TILE
     ) -> None:
         self.relief = Relief(ground, detail)
         self.sum = self.relief.sum() if detail else ground

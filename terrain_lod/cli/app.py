@@ -1,4 +1,5 @@
-"""The command line: demo, render, mesh, report, view, build, info, tiles, serve, smooth ...
+"""The command line: demo, render, mesh, report, view, build, info, tiles, serve, smooth, pattern,
+samples, doctor.
 
 Exit codes: 0 done, 2 refused with one line on stderr, 130 interrupted.
 """

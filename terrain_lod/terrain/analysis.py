@@ -129,11 +129,11 @@ def analyse_tiles(
     group = device.group_size(_GROUP)
     # tiles that a group fits at once, of a row of the grid or of the list
     rows, count = (grid.shape[0], grid.shape[1]) if numbers is None else (1, len(numbers))
-    at_once = group // _columns(grid.tile) if device.is_gpu else _RUN
+    at_once = _RUN if group == 1 else group // _columns(grid.tile)
     defines = {
         "TILE": grid.tile,
         "GROUP": group,
-        "LANES": device.lanes,
+        "LANES": device.lanes if group == 1 else 1,
         "CORNERS": int(analysis.plane == "corners"),
         "LISTED": int(numbers is not None),
         **ground.defines,

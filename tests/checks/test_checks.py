@@ -20,7 +20,8 @@ METRES = Bound("height", "m", "a tenth of a millimetre", "for tests")
 def test_every_kernel_file_has_a_check() -> None:
     root = Path(str(KERNELS))
     files = {file.relative_to(root).with_suffix("").as_posix() for file in root.rglob("*.cl")}
-    assert files == set(CHECKS)
+    # some have several checks, each with a word behind the file
+    assert files == {name.split(",")[0] for name in CHECKS}
 
 
 @pytest.mark.parametrize(("kernel", "case"), CASES, ids=[": ".join(each) for each in CASES])

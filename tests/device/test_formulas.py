@@ -50,7 +50,7 @@ def constant(path: Path, factor: str) -> Path:
 
 def test_a_header_of_any_folder_finds_files_beside_it_and_the_packages(folder: Path) -> None:
     assert check_lod(slope_lod(folder), slope_reference).is_met
-    mesh = tl.Terrain(GROUND).mesh(lod=slope_lod(folder))
+    mesh = tl.Terrain(GROUND, levels=1).mesh(lod=slope_lod(folder))
     assert not tl.crack_report(mesh)
 
 
@@ -65,7 +65,7 @@ def test_what_is_beside_a_header_comes_before_what_has_its_name_in_the_package(
 
 
 def test_an_edited_header_is_built_again_in_the_same_process(tmp_path: Path) -> None:
-    terrain, lod = tl.Terrain(GROUND), own(constant(tmp_path / "own.h", "3.0f"))
+    terrain, lod = tl.Terrain(GROUND, levels=1), own(constant(tmp_path / "own.h", "3.0f"))
     three = terrain.mesh(lod=lod)
     np.testing.assert_array_equal(three.patches.inside_factors, 3)
     was = os.stat(tmp_path / "own.h")
@@ -77,7 +77,7 @@ def test_an_edited_header_is_built_again_in_the_same_process(tmp_path: Path) -> 
 
 
 def test_an_edited_header_that_another_includes_is_built_again(folder: Path) -> None:
-    terrain, lod = tl.Terrain(GROUND), slope_lod(folder)
+    terrain, lod = tl.Terrain(GROUND, levels=1), slope_lod(folder)
     assert terrain.mesh(lod=lod).patches.inside_factors.max() > 2
     (folder / "degrees.h").write_text("inline float degrees_of(float a, float b) { return 0; }\n")
     np.testing.assert_array_equal(terrain.mesh(lod=lod).patches.inside_factors, 1)
@@ -86,7 +86,7 @@ def test_an_edited_header_that_another_includes_is_built_again(folder: Path) -> 
 def test_a_header_that_does_not_compile_is_named_with_its_line(tmp_path: Path) -> None:
     header = constant(tmp_path / "own.h", "no_such_number")
     with pytest.raises(tl.DeviceError) as caught:
-        tl.Terrain(GROUND).mesh(lod=own(header))
+        tl.Terrain(GROUND, levels=1).mesh(lod=own(header))
     assert f"{header.as_posix()}:4:" in str(caught.value)
 
 
@@ -94,7 +94,7 @@ def test_a_missing_include_is_named_with_who_wants_it(folder: Path) -> None:
     (folder / "degrees.h").unlink()
     asker = (folder / "slope.h").as_posix()
     with pytest.raises(tl.DeviceError, match=f"{asker}:3 wants kernels/degrees.h: there is no"):
-        tl.Terrain(GROUND).mesh(lod=slope_lod(folder))
+        tl.Terrain(GROUND, levels=1).mesh(lod=slope_lod(folder))
 
 
 @pytest.mark.parametrize(
@@ -112,18 +112,18 @@ def test_a_missing_include_is_named_with_who_wants_it(folder: Path) -> None:
 )
 def test_what_is_no_formula_is_refused_in_one_line(header, numbers, error, message) -> None:
     with pytest.raises(error, match=message) as caught:
-        tl.Terrain(GROUND).mesh(lod=own(header, **numbers))
+        tl.Terrain(GROUND, levels=1).mesh(lod=own(header, **numbers))
     assert "\n" not in str(caught.value)
 
 
 def test_a_formula_without_numbers_or_answers_leaves_no_holes(tmp_path: Path) -> None:
     lod = own(constant(tmp_path / "own.h", "patch.midpoint.x > 700.0f ? NAN : -INFINITY"))
-    mesh = tl.Terrain(GROUND).mesh(lod=lod)
+    mesh = tl.Terrain(GROUND, levels=1).mesh(lod=lod)
     np.testing.assert_array_equal(mesh.patches.inside_factors, 1)
     assert not tl.crack_report(mesh)
 
 
 def test_the_packages_own_programs_are_not_read_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    tl.Terrain(GROUND).mesh(lod=tl.UniformLod(3))
+    tl.Terrain(GROUND, levels=1).mesh(lod=tl.UniformLod(3))
     monkeypatch.setattr("terrain_lod.device.device.kernel_source", None)
-    tl.Terrain(GROUND).mesh(lod=tl.UniformLod(3))
+    tl.Terrain(GROUND, levels=1).mesh(lod=tl.UniformLod(3))

@@ -74,7 +74,7 @@ def test_heightmap_shows_its_numbers_and_itself_from_above():
 
 
 def test_terrain_and_mesh_show_theirs():
-    terrain = Terrain(rough(61, 46, spacing=5.0))
+    terrain = Terrain(rough(61, 46, spacing=5.0), levels=1)
     table = checked(terrain._repr_html_())
     assert table["tiles"] == "4 × 3 of 15 cells"
     assert table["device"] == terrain.device.info.name
@@ -93,7 +93,7 @@ def test_the_smallest_and_the_thinnest_are_shown(ground):
 
 
 def test_cell_data_is_that_of_the_patches():
-    mesh = Terrain(holed(100, 77)).mesh(lod=UniformLod(5.0))
+    mesh = Terrain(holed(100, 77), levels=1).mesh(lod=UniformLod(5.0))
     surface = mesh.to_pyvista()
     patch = mesh.triangle_patches
     assert (surface["patch"] == patch).all()

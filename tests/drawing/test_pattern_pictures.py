@@ -230,8 +230,11 @@ def test_the_pictures_of_the_page_are_made_by_its_script(tmp_path):
         check=True,
         capture_output=True,
     )
-    page = (root / "docs" / "tessellation.md").read_text(encoding="utf-8")
-    shown = set(re.findall(r"\(pictures/([^)]*)\)", page))
+    pages = [
+        (root / "docs" / f"{page}.md").read_text(encoding="utf-8")
+        for page in ("tessellation", "hierarchy")
+    ]
+    shown = set(re.findall(r"(?:\(|figure} )pictures/([^)\s]*)", "".join(pages)))
     assert shown == {path.name for path in tmp_path.iterdir()}
     for name in shown:
         committed = root / "docs" / "pictures" / name

@@ -89,7 +89,7 @@ def pixel_at(picture, camera, point):
 def test_lod_colours_stand_where_their_patches_project():
     factors = np.array([[15.0, 8.0, 4.5], [1.0, 0.0, 15.0]])
     mesh, camera = tiles_of(factors), over(15.0, -10.0)
-    picture = draw(mesh, camera, style="lod")
+    picture = draw(mesh, camera, style="lod", factor_range=(1.0, 15.0))
     assert picture.shape == (160, 200, 3)
     assert picture.dtype == np.uint8
 

@@ -37,6 +37,12 @@ MADE_BY_US = (
     *("Achieved", "CrackReport", "Hits", "Pop", "Report", "ScreenError", "SweepReport"),
     *("TileAnalysis", "VerticalError", "Lod", "PromiseLod", "EdgeFactor", "Polyline"),
 )
+# not tried yet: what came with pyramids, tiles for the web, subdivision surfaces and poses
+NOT_YET = (
+    *("Continuity", "ControlMesh", "PosedMesh", "Steady", "StreamingTerrain", "TileRecord"),
+    *("TilesReport", "b_spline", "bezier_curve", "build", "catmull_clark", "curve_continuity"),
+    *("open", "patch_continuity", "write_tiles"),
+)
 # for the package's own rooms, which hand on what is checked: kernels, events, records of arrays
 OF_ROOMS = (
     *(
@@ -48,6 +54,7 @@ OF_ROOMS = (
         "Patches",
         "Pattern",
     ),
+    "Heightmap.with_crs",
     *("Pattern.of", "Pattern.of_nothing", "Patches.on_tiles", "Decal.record"),
 )
 REFUSED = "refused: "
@@ -390,7 +397,7 @@ class Bench:
                 made = kind(**numbers)
                 yield Call(f"{name}.numbers", made.numbers, {})
                 if hasattr(made, "parameters"):
-                    of = {"scene": tl.Scene(10.0, 1.0)} if module is tl else {"diagonal": 10.0}
+                    of = {"scene": tl.Scene(10.0, 1.0, 15)} if module is tl else {"diagonal": 10.0}
                     yield Call(f"{name}.parameters", made.parameters, of)
         yield Call("Scene", tl.Scene, {"diagonal": 10.0, "rough_deviation": 1.0})
         yield Call("Weighted", tl.Weighted, {
