@@ -39,7 +39,7 @@ def bezier_curve(
     -------
     Polyline
         Where a piece begins at the point where the one before ends, that point is there once, with
-        the tangent of the later piece; :func:`continuity` measures joints.
+        the tangent of the later piece; :func:`terrain_lod.curved.curve_continuity` measures joints.
 
     Raises
     ------

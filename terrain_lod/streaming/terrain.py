@@ -185,7 +185,7 @@ class StreamingTerrain:
         wait : bool, optional
             Read what is missing first. Else the mesh is made of what is held, with
             ``achieved.kept`` false where that is not enough, and what is missing is read
-            meanwhile: see :attr:`missing`.
+            meanwhile: see ``missing``.
 
         Returns
         -------

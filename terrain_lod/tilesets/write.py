@@ -85,7 +85,7 @@ class TilesReport:
     columns: ClassVar = ("level", "tiles", "triangles", "bytes", "asked", "measured")
 
     def rows(self) -> list[tuple[str, ...]]:
-        """Return what became of each level, as text, by :attr:`columns`."""
+        """Return what became of each level, as text, in the order of ``columns``."""
         table: list[tuple[str, ...]] = []
         for z in sorted({record.z for record in self.records}):
             level = [record for record in self.records if record.z == z]
@@ -169,7 +169,7 @@ def write_tiles(
     crs : str, optional
         Of the ground, instead of what it says.
     workers : int, executor or None, optional
-        See :func:`terrain_lod.run_tasks`.
+        See ``terrain_lod/tasks.py``.
     progress : callable, optional
         Called with the number of finished tiles and that of all.
 
