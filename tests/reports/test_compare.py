@@ -215,4 +215,4 @@ def test_command_compares(
     assert {"compare.html", "compare.json", "compare.csv", "times.csv"} <= {
         path.name for path in out.iterdir()
     }
-    assert "Edge rules, at one pixel" in capsys.readouterr().out
+    assert "Error asked for is error measured" in capsys.readouterr().out

@@ -65,13 +65,10 @@ def test_no_cracks_in_two_hundred_cameras(name: str) -> None:
     culled = 0
     for index, camera in enumerate(cameras_over(ground, 200)):
         partitioning = PARTITIONINGS[index // 5 % 4]
-        terrain = terrains[index % 4]
-        mesh = terrain.mesh(
-            camera,
-            lod=LODS[index % 5],
-            edge_rule=("min", "max")[index % 2],
-            partitioning=partitioning,
-        )
+        terrain, lod = terrains[index % 4], LODS[index % 5]
+        # promises go by the edge's own error
+        rule = None if isinstance(lod, tl.PromiseLod) else ("min", "max")[index % 2]
+        mesh = terrain.mesh(camera, lod=lod, edge_rule=rule, partitioning=partitioning)
         # just above an even number Direct3D's fractional_even folds triangles by 1/65536: closed
         # all the same, edge by edge, but no longer a surface seen from above
         if partitioning == "fractional_even":
@@ -80,7 +77,9 @@ def test_no_cracks_in_two_hundred_cameras(name: str) -> None:
             report = tl.crack_report(mesh)
             assert not report, f"camera {index}: {report}"
         culled += mesh.patches.culled_count
-        if index % 20 == 0:
+        if (
+            index % 20 == 0 and mesh.patches.count == terrain.grid.count
+        ):  # not patches of every size
             assert_edges_are_bit_equal(mesh, terrain)
     assert culled > 0
 
