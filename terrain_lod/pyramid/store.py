@@ -164,10 +164,10 @@ class Store:
     def array(self, name: str) -> Any:
         if name not in self._arrays:
             try:
-                zarr = _zarr()
-                # a chunk that is not there is missing, not empty
-                with zarr.config.set({"array.write_empty_chunks": True}):
-                    self._arrays[name] = zarr.open_array(self.path / name, mode="r+")
+                array = _zarr().open_array(self.path / name, mode="r+")
+                # a chunk that is not there is missing, not empty; zarr's own configuration is
+                # shared by all threads
+                self._arrays[name] = array.with_config({"write_empty_chunks": True})
             except Exception as error:
                 raise self._damage(name, (), error) from error
         return self._arrays[name]

@@ -103,6 +103,23 @@ def test_whoever_builds_it_the_bytes_are_the_same(tmp_path: Path, source: Path) 
     assert seen[:6] == [(done, 6) for done in range(1, 7)]
 
 
+def test_threads_write_chunks_without_data_too(tmp_path: Path, source: Path) -> None:
+    import zarr
+
+    build(str(source), str(tmp_path / "a.tlod"))
+    description = Store.open(tmp_path / "a.tlod").description
+
+    def writes_all(_: int) -> bool:
+        array = Store(tmp_path / "a.tlod", description).array("heights/0")
+        return bool(array.config.write_empty_chunks)
+
+    with ThreadPoolExecutor(4) as threads:
+        for _ in range(50):
+            # whatever one of them sets for all is taken back by another
+            zarr.config.set({"array.write_empty_chunks": False})
+            assert all(threads.map(writes_all, range(4)))
+
+
 @pytest.mark.slow
 def test_a_cluster_that_loses_a_worker(tmp_path: Path, source: Path) -> None:
     distributed = pytest.importorskip("distributed")
