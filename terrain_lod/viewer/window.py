@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import gc
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
 from typing import Any, Final
@@ -34,6 +34,16 @@ _LOOK_AFTER: Final = 1.0  # seconds between looks at the model's file
 _LONG: Final = 0.5  # seconds after which a mesh that is not there is worth a word
 _UNNOTED: Final = 1e-3  # how far the camera is moved without a word, in diagonals
 _FRUSTUM: Final = 0.35  # how deep it is drawn, in diagonals
+
+
+@dataclass(frozen=True)
+class _Picked:
+    """A pixel that was clicked, the camera it was seen with, and what was noted of it."""
+
+    camera: Camera
+    x: int
+    y: int
+    note: str
 
 
 class Window:
@@ -78,6 +88,7 @@ class Window:
         self.texts_shown = True
         self._scene = model.scene
         self._frozen: Camera | None = None
+        self._picked: _Picked | None = None
         self._dirty = True
         self._size: tuple[int, int] | None = None
         self._asked, self._asked_at = 0, perf_counter()
@@ -173,8 +184,10 @@ class Window:
 
     def _listen(self) -> None:
         """Note what goes wrong or takes long; once a second tidy up, and look at the file."""
-        news = self.engine.problem if self.engine.problem != self._problem else None
-        self._problem = self.engine.problem
+        problem, before = self.engine.problem, self._problem
+        news, self._problem = problem if problem != before else None, problem
+        if problem is None and before is not None and self.note == before:
+            self.note, self._dirty = "", True  # the picture that is shown has no problem
         late = self.engine.working and perf_counter() - self._asked_at > _LONG
         self._dirty, self._late = self._dirty or late != self._late, late
         if perf_counter() - self._looked > _LOOK_AFTER:
@@ -237,12 +250,18 @@ class Window:
         return shown
 
     def pick(self, x: int, y: int) -> None:
-        """Note what is known of what a pixel shows, counted from the lower left."""
-        self._dirty = True
+        """Note what is known of what a pixel shows, counted from the lower left.
+
+        The place is looked up again in every mesh that is shown, until there is another note.
+        """
         if self.frame is not None:
-            pick = self.frame.pick(self.camera, x, y)
-            self.note = "nothing there" if pick is None else "\n".join(pick.lines())
-            self.stage.show_mark(None if pick is None else pick.point)
+            self._note_pick(self.frame, self.camera, x, y)
+
+    def _note_pick(self, frame: Frame, camera: Camera, x: int, y: int) -> None:
+        pick = frame.pick(camera, x, y)
+        self.note = "nothing there" if pick is None else "\n".join(pick.lines())
+        self.stage.show_mark(None if pick is None else pick.point)
+        self._picked, self._dirty = _Picked(camera, x, y, self.note), True
 
     def lines(self) -> tuple[str, ...]:
         """Return the read-out."""
@@ -261,6 +280,9 @@ class Window:
     def _show(self, frame: Frame) -> None:
         self.frame, self._dirty = frame, True
         self.stage.show(frame)
+        picked = self._picked
+        if picked is not None and self.note == picked.note:
+            self._note_pick(frame, picked.camera, picked.x, picked.y)
         self.stage.show_frustum(self._frozen, _FRUSTUM * frame.scene.diagonal)
         if self._scene is not frame.scene:
             self._scene = frame.scene

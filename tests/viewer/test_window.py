@@ -130,6 +130,7 @@ def test_the_last_good_mesh_stays_when_the_next_cannot_be_made(window):
     assert "budget of at least" in window.note
     window.change("lod", "uniform")
     assert window.settle() is not frame
+    assert window.note == ""  # what is shown has no problem
 
 
 # mouse, keys, sliders
@@ -209,6 +210,48 @@ def test_a_click_tells_what_is_there(controls):
     window.draw()
     drag(controls, (160, SIZE[1] - 2), (160, SIZE[1] - 2))
     assert window.note == "nothing there"
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("pixels", 24.0), ("lod", "uniform"), ("tile", 8), ("mode", "lod")]
+)
+def test_a_pick_tells_of_the_mesh_that_is_shown(controls, name, value):
+    window = controls.window
+    drag(controls, (160, 60), (160, 60))
+    camera, before = window.camera, window.note
+    window.change(name, value)
+    assert window.note == before  # as long as the old mesh is shown
+    window.drive(window.rig.orbit(10.0, 0.0))
+    frame = window.settle()
+    known = frame.pick(camera, 160, 60)
+    assert window.note == "\n".join(known.lines())
+    assert (window.note == before) == (name == "mode")  # which changes colours alone
+    mark = np.array(window.stage.mark.mapper.GetInput().GetPoint(0)) + window.stage.origin
+    assert mark == pytest.approx(known.point, abs=1e-2)
+
+
+def test_a_pick_does_not_come_back_over_another_note(controls):
+    window = controls.window
+    drag(controls, (160, 60), (160, 60))
+    window.note = "wrote it"
+    window.change("pixels", 24.0)
+    window.settle()
+    assert window.note == "wrote it"
+
+
+def test_every_text_and_slider_belongs_to_the_mesh_that_is_shown(controls):
+    window = controls.window
+    for lod in LODS:
+        window.change("lod", lod)
+        frame = window.settle()
+        controls.pump()
+        lines = window.lines()
+        assert lines[0] == str(window.settings)
+        assert lines[1] == f"{len(frame.mesh.triangles):,} triangles"
+        for slider in window.settings.sliders:
+            title = controls.widgets[slider.name].GetRepresentation().GetTitleText()
+            said = slider.said(frame.request.settings.value(slider.name))
+            assert title == f"{slider.label}: {said}"
 
 
 def test_sliders_change_settings_and_follow_them(controls):
