@@ -39,6 +39,7 @@ ROOMS = {
     "drawing": """errors arguments paths device ground camera tessellation mesh terrain
                   streaming""",
     "accessor": "ground mesh measure",
+    "xarray": "errors ground camera mesh files terrain",
     "tilesets": "errors arguments paths tasks device ground terrain",
     "checks": """errors numbered device ground camera tessellation mesh terrain curved reference
                  measure""",
@@ -53,21 +54,37 @@ ROOMS = {
 }
 # within a function, so that a value can offer what is written above it
 LATE = {
+    ("ground", "files"),
     ("ground", "drawing"),
     ("mesh", "drawing"),
     ("mesh", "files"),
     ("terrain", "drawing"),
 }
 # a value that offers its writer, which has to know it: but for these, imports run one way
-WRITERS = {("mesh.mesh", "files.meshes.export")}
+WRITERS = {
+    ("mesh.mesh", "files.meshes.export"),
+    ("ground.heightmap", "files.rasters.labelled"),
+    ("ground.heightmap", "files.rasters.loading"),
+}
 # only there, so that everything else runs without them
 GUARDED = {
     "pyopencl": {"device"},
     "rasterio": {"files.rasters.readers_gdal"},
+    "xarray": {"xarray", "files.rasters.labelled"},
     "pyproj": {"tilesets.place", "tilesets.geoid"},
 }
 # nobody waits for these on import
-HEAVY = ("pyvista", "vtkmodules", "matplotlib", "rasterio", "skimage", "scipy", "rich", "zarr")
+HEAVY = (
+    "pyvista",
+    "vtkmodules",
+    "matplotlib",
+    "rasterio",
+    "skimage",
+    "scipy",
+    "rich",
+    "zarr",
+    "xarray",
+)
 
 
 def module_of(path: Path) -> str:

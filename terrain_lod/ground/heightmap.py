@@ -111,6 +111,30 @@ class Heightmap:
         self._set("units", tuple(text("units", unit) for unit in parts("units", units, *_UNITS)))
         self._set("name", text("name", name))
 
+    @classmethod
+    def from_xarray(cls, array: Any, **options: Any) -> Heightmap:
+        """Return the ground in an ``xarray.DataArray``: :func:`terrain_lod.load` of it."""
+        from ..files.rasters.loading import load
+
+        return load(array, **options)
+
+    def to_xarray(self) -> Any:
+        """Return this ground as an ``xarray.DataArray`` along y and x, row 0 north.
+
+        Elevations, NaN where there is no data: float32 where `base` is 0, else float64. Units are
+        attributes; the CRS stands as WKT in ``spatial_ref``, as rioxarray and CF have it.
+
+        Raises
+        ------
+        MissingExtraError
+            If xarray, or rasterio for a CRS, is not installed.
+        InputError
+            If PROJ does not know the CRS.
+        """
+        from ..files.rasters.labelled import to_labelled
+
+        return to_labelled(self)
+
     def _set(self, field: str, value: object) -> None:
         object.__setattr__(self, field, value)
 

@@ -3,23 +3,19 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
-from ..errors import InputError
-from ..files.rasters import mercator
+from ..files.rasters.affine import placed
+from ..files.rasters.labelled import is_labelled, labelled, name_of
 from ..files.rasters.raster import Raster
-from ..files.rasters.readers_gdal import system_called
 from ..files.rasters.reading import Reading, reading_of
-from ..files.rasters.wkt import System, system_of
 from ..ground.heightmap import Heightmap
 from .source import Heights, fingerprint_of_files, heights_of, is_exact, virtual
 
-# steps between coordinates that are called even differ by less than this part of one
-_EVEN: Final = 1e-3
 # windows of an array that is looked at to tell it from another
 _PROBES: Final = 8
 
@@ -37,6 +33,8 @@ class Array:
     is_exact : bool
     is_southern_first : bool
         Whether row 0 is the southernmost one.
+    scale, offset : float
+        An unpacked number is ``scale * value + offset``.
     """
 
     values: Any
@@ -44,21 +42,26 @@ class Array:
     reading: Reading
     is_exact: bool
     is_southern_first: bool = False
+    scale: float = 1.0
+    offset: float = 0.0
 
     @classmethod
     def of(cls, values: Any, **options: Any) -> Array:
         """Take an array; the options are those of :func:`terrain_lod.load`."""
-        labelled = hasattr(values, "coords") and hasattr(values, "dims")
-        name = str(getattr(values, "name", None) or "ground")
-        if labelled:
-            # a band by itself, as rioxarray has it, is no dimension of the ground
-            values = values.squeeze(drop=True)
-        shape = tuple(int(extent) for extent in values.shape)
-        header = virtual(shape, values.dtype)  # type: ignore[arg-type]
-        raster, southern = (_header_of_labelled if labelled else _header)(values, header)
+        southern, name = False, name_of(values)
+        if is_labelled(values):
+            array, raster, affine = labelled(values)
+            if affine is not None:
+                raster, southern = placed(raster, affine, name), affine[4] > 0
+            values = array.data
+        else:
+            raster = Raster(virtual(tuple(values.shape), values.dtype))
         reading = reading_of(raster, name, **options)
-        data = values.data if labelled else values
-        return cls(data, shape, reading, is_exact(reading, raster), southern)  # type: ignore[arg-type]
+        rows, columns = (int(extent) for extent in values.shape)
+        return cls(
+            values, (rows, columns), reading, is_exact(reading, raster), southern,
+            raster.scale, raster.offset,
+        )  # fmt: skip
 
     def read(self, rows: slice, columns: slice) -> Heights:
         last = self.shape[0]
@@ -71,13 +74,15 @@ class Array:
         values = np.asarray(np.ma.getdata(window))
         if self.is_southern_first:
             values, mask = values[::-1], mask if mask is np.ma.nomask else mask[::-1]
-        raster = Raster(values, mask=None if mask is np.ma.nomask else mask)
+        mask = None if mask is np.ma.nomask else mask
+        raster = Raster(values, mask=mask, scale=self.scale, offset=self.offset)
         return heights_of(self.reading, raster, rows.start, columns.start)
 
     def fingerprint(self) -> str:
         if isinstance(self.values, np.memmap) and self.values.filename is not None:
             return fingerprint_of_files([Path(self.values.filename)], self.reading)
-        digest = hashlib.sha256(repr((self.shape, self.reading)).encode())
+        said = self.shape, self.reading, self.scale, self.offset
+        digest = hashlib.sha256(repr(said).encode())
         rows, columns = (
             [int(place) for place in np.linspace(0, extent - 2, _PROBES)] for extent in self.shape
         )
@@ -150,55 +155,3 @@ class Ground:
         if self.ground.mask is not None:
             digest.update(self.ground.mask.tobytes())
         return digest.hexdigest()
-
-
-def _header(values: Any, header: Any) -> tuple[Raster, bool]:
-    return Raster(header), False
-
-
-def _header_of_labelled(values: Any, header: Any) -> tuple[Raster, bool]:
-    """Return what an array of xarray says of itself."""
-    if len(values.dims) != 2:
-        raise InputError(
-            f"expected an array of two dimensions, y and x, got {', '.join(map(str, values.dims))}:"
-            " choose one with isel()"
-        )
-    down, across = (_step(values, dim) for dim in values.dims)
-    system, attributes = _system(values), values.attrs
-    nodata = attributes.get("_FillValue", attributes.get("missing_value"))
-    unit = attributes.get("units")
-    raster = Raster(header, nodata=nodata, height_unit=unit, system=system)
-    if system.horizontal in mercator.CODES:
-        raster = replace(raster, geographic=mercator.geographic)
-    if down is None or across is None:
-        return raster, False
-    (y, dy), (x, dx) = down, across
-    if dx <= 0:
-        raise InputError(f"expected {values.dims[1]} to grow from west to east, got steps of {dx}")
-    southern = dy > 0
-    north = y + dy * (header.shape[0] - 1) if southern else y
-    return replace(raster, step=(dx, abs(dy)), origin=(x, north)), southern
-
-
-def _step(values: Any, dim: Any) -> tuple[float, float] | None:
-    """Return the first coordinate along a dimension and the step from it, None if it has none."""
-    if dim not in values.coords:
-        return None
-    places = np.asarray(values.coords[dim].values, np.float64)
-    step = float(places[-1] - places[0]) / (len(places) - 1)
-    even = places[0] + step * np.arange(len(places))
-    if not step or np.abs(places - even).max() > _EVEN * abs(step):
-        raise InputError(f"expected even steps along {dim}, got others: resample it")
-    return float(places[0]), step
-
-
-def _system(values: Any) -> System:
-    """Return the coordinate reference system that rioxarray and CF conventions write."""
-    place = values.coords.get("spatial_ref")
-    text = place.attrs.get("crs_wkt") if place is not None else None
-    named = values.attrs.get("crs")
-    if not isinstance(named, str):
-        named = None
-    if isinstance(text, str):
-        return system_of(text, named)
-    return System() if named is None else system_called(named)

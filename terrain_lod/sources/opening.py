@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
+from ..files.rasters.labelled import is_labelled
 from ..ground.heightmap import Heightmap
 from .arrays import Array, Ground
 from .folder import Folder
@@ -37,7 +38,9 @@ def source_of(ground: Any, **options: Any) -> Source:
     if isinstance(ground, str | os.PathLike):
         path = Path(ground)
         return (Folder if path.is_dir() else RasterFile).of(path, **options)
-    if all(hasattr(ground, name) for name in ("shape", "dtype", "__getitem__")):
+    if is_labelled(ground) or all(
+        hasattr(ground, name) for name in ("shape", "dtype", "__getitem__")
+    ):
         if options.pop("band", None) is not None:
             raise InputError("expected band= with a file, got it with an array")
         return Array.of(ground, **options)

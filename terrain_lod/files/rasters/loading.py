@@ -1,4 +1,4 @@
-"""Ground from a file of heights."""
+"""Ground from a file of heights, or from an array of xarray."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from ...arguments import file_path
 from ...errors import FileError, InputError, TerrainError
 from ...ground.heightmap import Heightmap
 from .formats import Format, format_of
+from .labelled import is_labelled, name_of, read_labelled
 from .mercator import checked_tile, tile_of, with_tile
 from .nodata import undeclared
 from .parts import Part
@@ -22,7 +23,7 @@ from .reading import reading_of
 
 
 def load(
-    path: str | os.PathLike[str],
+    path: str | os.PathLike[str] | Any,
     *,
     spacing: float | tuple[float, float] | Literal["map"] | None = None,
     height_range: tuple[float, float] | None = None,
@@ -35,7 +36,7 @@ def load(
     z_scale: float | None = None,
     tile: tuple[int, int, int] | None = None,
 ) -> Heightmap:
-    """Load ground from a file of heights.
+    """Load ground from a file of heights, or from an array of xarray.
 
     ========================  =====================================================================
     .png, .tif                16 bits of grey; 8 bits with a warning; floating point (TIFF)
@@ -50,6 +51,12 @@ def load(
     .dt2, .nc, .jp2, ...      is in them, whatever they are called
     .zip, .gz                 the same, packed; of an archive the only raster
     ========================  =====================================================================
+
+    An ``xarray.DataArray`` is taken with what it says of itself: coordinates in even steps, rows
+    from north to south or from south to north, ``_FillValue``, ``scale_factor`` and ``add_offset``,
+    ``units`` of heights and of coordinates, and the CRS as WKT in ``spatial_ref`` or in the grid
+    mapping that CF names. Of an array of dask, the chunks of the part are computed. What cannot be
+    honoured is refused: rotated or uneven coordinates, a third dimension, a CRS in another form.
 
     What a file does not say is a spacing of 1, with a warning, an origin of (0, 0), no CRS and
     metres.
@@ -72,7 +79,7 @@ def load(
 
     Parameters
     ----------
-    path : str or path
+    path : str, path or xarray.DataArray
     spacing : float, (float, float) or "map", optional
         Distance between samples along x and y in metres (in the unit of the CRS, if that is
         another), instead of the file's. ``"map"`` takes the file's numbers as they are, stretched
@@ -125,18 +132,25 @@ def load(
         guess; if PROJ refuses the CRS; if a value that no ground has (-9999, -32768, 3.4e38 ...)
         stands among heights and nobody said that it is nodata.
     """
-    path = file_path("path", path)
     part = Part.of(bounds, window, overview, band)
     numbered = None if tile is None else checked_tile(tile)
-    form, name = format_of(path)
-    raster = read_raster(form, path, part)
+    if is_labelled(path):
+        if numbered is not None:
+            raise InputError("expected a file with tile=, got it with an array")
+        name = name_of(path)
+        with _within_memory(name):
+            raster = read_labelled(path, part)
+    else:
+        path = file_path("path", path)
+        form, name = format_of(path)
+        raster = read_raster(form, path, part)
     if numbered is None and raster.coloured and raster.step is None and part.is_all:
         numbered = tile_of(path)
     if numbered is not None:
         if not part.is_all:
             raise InputError("expected a whole tile with tile=, got bounds or window")
         raster = with_tile(raster, numbered, path.name)
-    with _within_memory(path.name):
+    with _within_memory(name):
         ground, notes = _ground_of(
             raster, name, spacing=spacing, height_range=height_range, nodata=nodata,
             z_unit=z_unit, z_scale=z_scale,

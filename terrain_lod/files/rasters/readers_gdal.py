@@ -25,6 +25,8 @@ from .readers_image import terrain_rgb
 from .wkt import GEOGRAPHIC, System, geographic_part, system_of
 
 EXTRA: Final = 'pip install "terrain_lod[geo]"'
+# systems of this program's own, which GDAL would add axes to
+OWN: Final = "LOCAL_CS"
 # raw numbers, with a header in a file beside them
 RAW: Final = (".bil", ".bip", ".bsq", ".flt")
 # what lies beside rasters in an archive
@@ -99,7 +101,7 @@ def place_of_image(path: Path, raster: Raster) -> tuple[Raster, Affine | None]:
     try:
         with quiet_rasterio(), rasterio.Env(), rasterio.open(path) as file:
             affine = _affine(file)
-            return (raster if affine is None else _in_system(raster, file)), affine
+            return (raster if affine is None else _in_system(raster, file.crs)), affine
     except RasterioError:
         return raster, None
 
@@ -188,7 +190,7 @@ def _from_dataset(file: Any, name: str, part: Part, ways: str) -> Raster:
             height_unit=file.units[band] or None,
         )
     if refused is None:
-        raster = _in_system(raster, file)
+        raster = _in_system(raster, file.crs)
     else:
         note = f"{name} has a CRS that PROJ refuses ({refused}): loaded without it, in metres"
         raster = replace(raster, notes=(note,))
@@ -265,30 +267,45 @@ def _refusal_of_crs(file: Any) -> str | None:
     return None
 
 
-def _in_system(raster: Raster, file: Any) -> Raster:
-    """Return `raster` with what its file says of its coordinate reference system."""
-    if not file.crs:
+def _in_system(raster: Raster, crs: Any) -> Raster:
+    """Return `raster` with what a coordinate reference system of rasterio says of itself."""
+    if not crs:
         return raster
-    text = file.crs.to_wkt()
-    authority = file.crs.to_authority()
+    text, authority = crs.to_wkt(), crs.to_authority()
     system = system_of(text, ":".join(authority) if authority else text)
-    return replace(raster, system=system, geographic=_geographic(file.crs, text, system))
+    return replace(raster, system=system, geographic=_geographic(crs, text, system))
 
 
-def system_called(name: str) -> System:
-    """Return the coordinate reference system that a code such as ``"EPSG:25832"`` stands for."""
+def in_system_called(raster: Raster, name: str) -> Raster:
+    """Return `raster` in the system that a code such as ``"EPSG:25832"``, or WKT, stands for."""
+    if name.startswith(OWN):
+        return replace(raster, system=system_of(name))
+    with _crs_called(name) as crs:
+        return _in_system(raster, crs)
+
+
+def wkt_called(name: str) -> str:
+    """Return the well-known text of the system that a code, or WKT, stands for."""
+    if name.startswith(OWN):
+        return name
+    with _crs_called(name) as crs:
+        return str(crs.to_wkt())
+
+
+@contextmanager
+def _crs_called(name: str) -> Iterator[Any]:
     if not has_rasterio():
         raise MissingExtraError(
-            f"expected rasterio, for the CRS {name}, got no such package: {EXTRA}"
+            f"expected rasterio, for the CRS {name[:60]}, got no such package: {EXTRA}"
         )
     import rasterio
     from rasterio.errors import CRSError
 
     try:
         with quiet_rasterio(), rasterio.Env():
-            return system_of(rasterio.CRS.from_user_input(name).to_wkt(), name)
+            yield rasterio.CRS.from_user_input(name)
     except CRSError:
-        raise InputError(f"expected a CRS that PROJ knows, got {name!r}") from None
+        raise InputError(f"expected a CRS that PROJ knows, got {name[:60]!r}") from None
 
 
 def _geographic(
