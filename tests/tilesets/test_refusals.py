@@ -112,6 +112,7 @@ def test_a_full_disk_is_said_and_what_is_finished_stays(tmp_path, monkeypatch):
     assert tl.write_tiles(jacksboro(), tmp_path, **options).made == 16
 
 
+@pytest.mark.slow
 def test_processes_write_the_same_files(tmp_path):
     options = {"format": "3dtiles", "error": 40.0, "zoom": 1}
     tl.write_tiles(jacksboro(), tmp_path / "here", **options)
