@@ -1,0 +1,52 @@
+"""Public names of a package, each imported when it is first asked for.
+
+A name that is not used costs nothing: importing the package takes milliseconds, and a program
+imports the rooms that it works with. The names, and the modules they come from, are written once,
+as the imports of the package's stub (``__init__.pyi``), which is what type checkers and editors
+read as well.
+
+After PEP 562, and Scientific Python's SPEC 1, lazy loading of submodules and functions.
+"""
+
+from __future__ import annotations
+
+import ast
+import sys
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+
+
+def lazily(
+    package: str, file: str
+) -> tuple[Callable[[str], object], Callable[[], list[str]], list[str]]:
+    """Return ``__getattr__``, ``__dir__`` and ``__all__`` of a package with a stub.
+
+    Parameters
+    ----------
+    package, file : str
+        Its ``__name__`` and its ``__file__``.
+    """
+    homes = _homes(Path(file).with_suffix(".pyi"))
+
+    def get(name: str) -> object:
+        if name not in homes:
+            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+        module, own_name = homes[name]
+        home = import_module(f".{module}" if module else f".{own_name}", package)
+        value: object = getattr(home, own_name) if module else home
+        setattr(sys.modules[package], name, value)
+        return value
+
+    names = sorted(homes)
+    return get, lambda: names, names
+
+
+def _homes(stub: Path) -> dict[str, tuple[str, str]]:
+    """Return the module that each name is imported from, and its name there."""
+    return {
+        alias.asname or alias.name: (node.module or "", alias.name)
+        for node in ast.parse(stub.read_text(encoding="utf-8")).body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    }
