@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import terrain_lod as tl
-from support.tilesets import jacksboro
+from support.tilesets import contents, jacksboro
 from terrain_lod.cli.app import REFUSED, run
 
 
@@ -68,11 +68,6 @@ def test_tiles_of_another_error_are_left_alone(tmp_path):
     with pytest.raises(tl.InputError, match="got tiles of other work"):
         tl.write_tiles(jacksboro(), tmp_path, format="3dtiles", error=30.0)
     assert (tmp_path / "tiles.jsonl").read_bytes() == before
-
-
-def contents(folder):
-    return {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*.*")
-            if path.name != "tiles.jsonl"}  # fmt: skip
 
 
 def test_work_that_was_cut_off_goes_on(tmp_path):
