@@ -41,7 +41,7 @@ ROOMS = {
                   streaming""",
     "accessor": "ground mesh measure",
     "xarray": "errors ground camera mesh files terrain",
-    "tilesets": "errors arguments paths tasks device ground terrain",
+    "tilesets": "errors arguments paths tasks device ground sources terrain",
     "checks": """errors numbered device ground camera tessellation mesh terrain curved reference
                  measure""",
     "viewer": """errors arguments paths numbered device ground camera mesh files terrain curved
