@@ -41,7 +41,10 @@ from .pyramid.build import build
 from .reports.compare.compare import compare
 from .reports.compare.outcome import SweepReport
 from .reports.report import Report, report
-from .streaming.terrain import StreamingTerrain, open
+from .streaming.terrain import StreamingTerrain
+
+# not in __all__: ``from terrain_lod import *`` leaves Python's own open alone
+from .streaming.terrain import open as open
 from .terrain.analysis import TileAnalysis, analyse
 from .terrain.lod import Lod, PromiseLod, Scene, Weighted
 from .terrain.lod_formulas import (
@@ -118,7 +121,6 @@ __all__ = [
     "load_mesh",
     "normal_error",
     "number",
-    "open",
     "patch_errors",
     "pn_triangles",
     "pop_metric",

@@ -27,7 +27,8 @@ def lazily(
     package, file : str
         Its ``__name__`` and its ``__file__``.
     """
-    homes = _homes(Path(file).with_suffix(".pyi"))
+    statements = ast.parse(Path(file).with_suffix(".pyi").read_text(encoding="utf-8")).body
+    homes = _homes(statements)
 
     def get(name: str) -> object:
         if name not in homes:
@@ -38,15 +39,24 @@ def lazily(
         setattr(sys.modules[package], name, value)
         return value
 
-    names = sorted(homes)
-    return get, lambda: names, names
+    return get, lambda: sorted(homes), _starred(statements)
 
 
-def _homes(stub: Path) -> dict[str, tuple[str, str]]:
+def _homes(statements: list[ast.stmt]) -> dict[str, tuple[str, str]]:
     """Return the module that each name is imported from, and its name there."""
     return {
-        alias.asname or alias.name: (node.module or "", alias.name)
-        for node in ast.parse(stub.read_text(encoding="utf-8")).body
-        if isinstance(node, ast.ImportFrom)
-        for alias in node.names
+        alias.asname or alias.name: (statement.module or "", alias.name)
+        for statement in statements
+        if isinstance(statement, ast.ImportFrom)
+        for alias in statement.names
     }
+
+
+def _starred(statements: list[ast.stmt]) -> list[str]:
+    """Return the names that a star imports."""
+    (names,) = (
+        ast.literal_eval(statement.value)
+        for statement in statements
+        if isinstance(statement, ast.Assign)
+    )
+    return list(names)

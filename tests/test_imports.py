@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import builtins
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -41,11 +42,11 @@ ROOMS = {
                   streaming""",
     "accessor": "ground mesh measure",
     "xarray": "errors ground camera mesh files terrain",
-    "tilesets": "errors arguments paths tasks device ground terrain",
+    "tilesets": "errors arguments paths tasks device ground sources terrain",
     "checks": """errors numbered device ground camera tessellation mesh terrain curved reference
                  measure""",
-    "viewer": """errors arguments paths numbered device ground camera mesh files terrain curved
-                 measure drawing""",
+    "viewer": """errors arguments paths numbered device ground camera mesh files pyramid terrain
+                 streaming curved measure drawing""",
     "reports": """errors arguments paths numbered device ground camera mesh terrain measure drawing
                   checks""",
     "cli": """interrupts errors arguments paths numbered device ground camera tessellation mesh
@@ -231,11 +232,20 @@ def test_all_is_true_and_sorted(package: ModuleType) -> None:
     assert names == sorted(set(names))
     public = {
         name
-        for name, value in vars(package).items()
+        for name, value in ((name, getattr(package, name)) for name in dir(package))
         # folders that Python imported on the way are rooms, not names; curved is both
         if not name.startswith("_") and (not isinstance(value, ModuleType) or name in names)
     }
-    assert public == set(names)
+    # what Python has a name for itself stays its own in `from terrain_lod import *`
+    assert public - set(vars(builtins)) == set(names)
+
+
+def test_a_star_leaves_the_names_of_python_alone() -> None:
+    names: dict[str, object] = {}
+    exec("from terrain_lod import *", names)
+    assert names["Terrain"] is terrain_lod.Terrain
+    assert "open" in dir(terrain_lod)
+    assert "open" not in names
 
 
 def test_a_public_name_stands_in_one_place() -> None:
