@@ -128,6 +128,7 @@ def test_a_full_disk_is_said_and_what_is_finished_stays(tmp_path):
     assert contents(full) == contents(whole)
 
 
+@pytest.mark.slow
 def test_processes_write_the_same_files(tmp_path):
     options = {"format": "3dtiles", "error": 40.0, "zoom": 1}
     tl.write_tiles(jacksboro(), tmp_path / "here", **options)
