@@ -60,6 +60,7 @@ app = App(
 )
 app.meta.suppress_keyboard_interrupt = False
 
+Crs = Annotated[str | None, Parameter(metavar="EPSG:CODE|utm")]
 Memory = Annotated[str | None, Parameter(metavar="SIZE")]
 
 
@@ -168,6 +169,7 @@ def mesh(
     *,
     output: Output,
     cull: Switch = False,
+    crs: Crs = None,
     memory: Memory = None,
     reading: GroundOptions = GroundOptions(),  # noqa: B008
     overlay: OverlayOptions = OverlayOptions(),  # noqa: B008
@@ -185,6 +187,9 @@ def mesh(
     cull
         Leave out patches that the camera does not see. Files are looked at from anywhere, so that
         they are whole by default.
+    crs
+        Bring the ground to this projection first, and say how far that is from its own samples;
+        utm is the zone of UTM that it lies in.
     memory
         Of a pyramid that build wrote: how much of it to hold, such as 512MB.
     """
@@ -202,7 +207,7 @@ def mesh(
         say(f"{output}: {_counts(made, opened.overview)}")
         say(str(crack_report(made)))
         return
-    heights, added = reading.load(ground), overlay.load()
+    heights, added = reading.load(ground, crs), overlay.load()
     camera = view.over(heights)
     log("%r", heights)
     made = terrain.make(heights, chosen, added).mesh(camera, lod=chosen, cull=cull, **vars(meshing))

@@ -12,6 +12,7 @@ from ...ground.units import METRE, UNITS, Unit, unit_called
 from . import mercator
 from .degrees import TOLERANCE, Pair, flat_degrees, map_stretch, told_apart
 from .raster import Raster
+from .wkt import System
 
 MAP: Final = "map"
 Spacing = float | Pair | Literal["map"]
@@ -77,8 +78,7 @@ def height_factor(
         if found != unit:
             log.info("%s has heights in %s: brought to %s", name, found.name, unit.name)
         return _ratio(found, unit), ()
-    # feet go with feet, as surveys have them; on any other map heights are metres
-    assumed = unit if "foot" in unit.name else METRE
+    assumed = _assumed(unit)
     notes: tuple[str, ...] = ()
     if said and said.lower() not in UNSAID:
         notes = (f"{name} has heights in {said!r}, an unknown unit: taken as {assumed.name}; "
@@ -87,6 +87,16 @@ def height_factor(
         notes = (f"{name} is in {unit.name} and does not say what its heights are in: taken as "
                  f"{assumed.name}, too; z_unit= says otherwise",)  # fmt: skip
     return _ratio(assumed, unit), notes
+
+
+def unit_of_heights(system: System) -> Unit:
+    """Return the unit of heights that a system names, or else the one that goes with its map."""
+    return system.height_unit or _assumed(system.unit or METRE)
+
+
+def _assumed(unit: Unit) -> Unit:
+    # feet go with feet, as surveys have them; on any other map heights are metres
+    return unit if "foot" in unit.name else METRE
 
 
 # what programs write for a unit that they do not know

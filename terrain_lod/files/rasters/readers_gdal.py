@@ -280,7 +280,7 @@ def in_system_called(raster: Raster, name: str) -> Raster:
     """Return `raster` in the system that a code such as ``"EPSG:25832"``, or WKT, stands for."""
     if name.startswith(OWN):
         return replace(raster, system=system_of(name))
-    with _crs_called(name) as crs:
+    with crs_called(name) as crs:
         return _in_system(raster, crs)
 
 
@@ -288,12 +288,13 @@ def wkt_called(name: str) -> str:
     """Return the well-known text of the system that a code, or WKT, stands for."""
     if name.startswith(OWN):
         return name
-    with _crs_called(name) as crs:
+    with crs_called(name) as crs:
         return str(crs.to_wkt())
 
 
 @contextmanager
-def _crs_called(name: str) -> Iterator[Any]:
+def crs_called(name: str) -> Iterator[Any]:
+    """Yield the system of rasterio that a code, or WKT, stands for."""
     if not has_rasterio():
         raise MissingExtraError(
             f"expected rasterio, for the CRS {name[:60]}, got no such package: {EXTRA}"
