@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import re
 from dataclasses import dataclass
 from typing import Final, Literal
 
@@ -18,6 +19,11 @@ MAP: Final = "map"
 Spacing = float | Pair | Literal["map"]
 
 log = logging.getLogger(__name__)
+
+_LOCAL: Final = re.compile(
+    r'LOCAL_CS\["(?P<of>(?:degrees of )?(?P<code>\w+:\w+)|degrees|its CRS) '
+    r'times (?P<east>[-+.\de]+) east, (?P<north>[-+.\de]+) north"'
+)
 
 
 @dataclass(frozen=True)
@@ -203,6 +209,25 @@ def _could_be_degrees(raster: Raster) -> bool:
     (x, y), (dx, dy) = raster.origin, raster.step
     # steps of 72 arc-seconds or 2 cm, and numbers that are longitudes and latitudes
     return 0 < max(dx, dy) < 0.02 and -180 <= x <= 360 and -90 <= y <= 90
+
+
+def map_of(crs: str) -> tuple[str, Pair]:
+    """Return the map that lengths of a CRS were on, and what one of its units is in them.
+
+    The way back from what :func:`_local` writes; any other CRS is its own map.
+
+    Raises
+    ------
+    InputError
+        If the map has no code to find it by.
+    """
+    found = _LOCAL.match(crs)
+    if found is None:
+        return crs, (1.0, 1.0)
+    code = found["code"] or ("EPSG:4326" if found["of"].startswith("degrees") else "")
+    if not code:
+        raise InputError(f"expected ground on a map with a code, such as EPSG:3857, got {crs[:60]}")
+    return code, (float(found["east"]), float(found["north"]))
 
 
 def _is_code(crs: str) -> bool:
