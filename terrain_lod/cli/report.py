@@ -43,7 +43,9 @@ def report(
     meshing: MeshingOptions = MeshingOptions(),  # noqa: B008
     terrain: TerrainOptions = TerrainOptions(),  # noqa: B008
 ) -> None:
-    """Compare distance LOD with another, coplanarity by default: triangles, error, time, pictures.
+    """Compare levels of detail at one camera: distance, another (coplanarity) and screen-error LOD.
+
+    As asked for, with as many triangles, and with as large an error; times and pictures.
 
     Parameters
     ----------

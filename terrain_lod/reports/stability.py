@@ -197,6 +197,7 @@ def _sections(found: list[Finding]) -> Iterator[str]:
             kind="soft",
         ),
         listing(
+            "Bounds",
             ("Quantity", "Kernel", "Nearest case", "Difference", "Allowed", "Share"),
             (
                 [each.bound.quantity, each.kernel, each.case, *each.numbers]
@@ -219,6 +220,7 @@ def _sections(found: list[Finding]) -> Iterator[str]:
     yield section(
         "Patterns and curved meshes",
         listing(
+            "Patterns and curved meshes",
             ("Kernel", "Case", "Quantity", "Difference", "Allowed", "Share"),
             (
                 [each.kernel, each.case, each.bound.quantity, *each.numbers]
@@ -270,4 +272,8 @@ def _matrix(found: list[Finding]) -> str:
 
     heads = ("", *(kernel.rpartition("/")[2].replace("_", " ") for kernel in columns))
     cases = dict.fromkeys(each.case for each in found)
-    return listing(heads, ([case, *(cell(kernel, case) for kernel in columns)] for case in cases))
+    return listing(
+        "Grounds and cameras",
+        heads,
+        ([case, *(cell(kernel, case) for kernel in columns)] for case in cases),
+    )

@@ -86,12 +86,13 @@ def _sections(made: SweepReport) -> Iterator[str]:
             "Peak: host memory that the first call took on top, where the system tells.",
             kind="soft",
         ),
-        listing(_COST_HEADS, map(_cost_line, made.sweep), words=2),
+        listing("Time and memory", _COST_HEADS, map(_cost_line, made.sweep), words=2),
     )
     yield section(
         "Tile sizes",
         paragraph("The two promises at one tolerance, in tiles of every size.", kind="soft"),
         listing(
+            "Tile sizes",
             ("", "Tile", *_heads(made)[1:]),
             ([line[0], str(r.contender.tile), *line[1:]] for r in made.tiles if (line := _line(r))),
             words=3,
@@ -120,7 +121,7 @@ def _tried(made: SweepReport) -> str:
             "the next of 240 pictures of the flight.",
             kind="soft",
         ),
-        listing(_heads(made), map(_line, made.sweep), words=2),
+        listing("Everything tried", _heads(made), map(_line, made.sweep), words=2),
         *(_absent(made.missing) if made.missing else ()),
     )
 
@@ -134,6 +135,7 @@ def _popping(made: SweepReport) -> str:
             kind="soft",
         ),
         listing(
+            "Popping",
             ("Partitioning", "Triangles", "Largest pop, px", "RMS, px"),
             (
                 (
