@@ -113,12 +113,12 @@ def listing(
     lines: Lines | Mapping[str, Lines],
     *,
     words: int = 1,
-    sortable: bool = True,
+    look: str = "",
 ) -> str:
     """Return lines of texts under their heads; all but the first `words` columns are numbers.
 
     Lines may come in groups, each under its title. A click on a head sorts the lines of every
-    group.
+    group. With `look` "matrix" heads stand upright, so that many columns fit.
     """
     groups = lines if isinstance(lines, Mapping) else {"": lines}
 
@@ -141,7 +141,7 @@ def listing(
     return "\n".join(
         [
             _scroll(title),
-            f'<table class="list{" sorts" if sortable else ""}">',
+            f'<table class="list sorts {look}">',
             f"<thead><tr>{head}</tr></thead>",
             *(group(name, texts) for name, texts in groups.items()),
             "</table></div>",

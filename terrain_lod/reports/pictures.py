@@ -76,7 +76,7 @@ def save_pictures(
     step()
     near, close = close_camera(comparison), comparison.equal_triangles or comparison.asked
     for asked, trial in zip(comparison.asked, close, strict=True):
-        seen = draw(trial.mesh, near, height_range=height_range, wireframe=True)
+        seen = draw(trial.mesh, near, style="wireframe")
         save(f"close_{asked.name}", seen)
     step()
     picture, difference = differing(*shaded[:2])
