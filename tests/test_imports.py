@@ -38,7 +38,7 @@ ROOMS = {
     "curved": "errors arguments numbered device camera tessellation mesh files",
     "reference": "device ground camera tessellation mesh terrain",
     "measure": "errors arguments device ground camera mesh reference",
-    "drawing": """errors arguments paths device ground camera tessellation mesh terrain
+    "drawing": """errors arguments paths device ground camera tessellation mesh terrain measure
                   streaming""",
     "accessor": "ground mesh measure",
     "xarray": "errors ground camera mesh files terrain",
