@@ -89,6 +89,7 @@ class StreamingTerrain:
         self._chunks, self._pages = Chunks(store), Pages(store, self.device, self.memory)
         self._meshing = threading.Lock()
         self._before: Camera | None = None
+        self._joined: Joined | None = None
         self.missing: tuple[Place, ...] = ()
 
     @property
@@ -240,6 +241,7 @@ class StreamingTerrain:
                 asked,
                 lambda finer: self._chunks.cut(asked, self._pages.most, finer=finer),
                 self._pages.get,
+                self._joined,
             )
         else:
             self._pages.get(self._chunks.root)
@@ -250,9 +252,9 @@ class StreamingTerrain:
                 wanted = self._chunks.cut(asked, self._pages.most, finer=finer)
                 return self._chunks.at_hand(wanted, held)
 
-            found = keep(asked, cut, held.__getitem__)
+            found = keep(asked, cut, held.__getitem__, self._joined)
             self._pages.ahead(found.cut.missing)
-        damaged = self._pages.damaged
+        self._joined, damaged = found, self._pages.damaged
         self.missing = tuple(place for place in found.cut.missing if place not in damaged)
         return found
 
