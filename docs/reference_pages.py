@@ -38,7 +38,7 @@ TITLES = {
 def names_of(module: ModuleType) -> Iterator[tuple[str, object]]:
     """Yield each public name with the module it is imported from, and what it is."""
     # those that Python has, too, are in no __all__, so that a star leaves its own alone
-    shared = [name for name in vars(builtins) if name in vars(module) and name[0] != "_"]
+    shared = [name for name in vars(builtins) if name in dir(module) and name[0] != "_"]
     for name in [*module.__all__, *shared]:
         value = getattr(module, name)
         if isinstance(value, ModuleType):
