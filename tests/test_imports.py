@@ -71,7 +71,7 @@ GUARDED = {
     "pyopencl": {"device"},
     "rasterio": {"files.rasters.readers_gdal"},
     "xarray": {"xarray", "files.rasters.labelled"},
-    "pyproj": {"tilesets.place", "tilesets.geoid"},
+    "pyproj": {"ground.place", "tilesets.geoid"},
 }
 # nobody waits for these on import
 HEAVY = (

@@ -139,6 +139,11 @@ class Terrain:
         return self._tiles.grid
 
     @property
+    def plane(self) -> str:
+        """Which plane deviations are from."""
+        return self._tiles.analysis.plane
+
+    @property
     def analysis(self) -> TileAnalysis:
         """Planes, deviations and ranges of the tiles."""
         with self._turns.reading():

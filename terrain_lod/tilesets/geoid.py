@@ -8,9 +8,9 @@ from typing import Final
 import numpy as np
 
 from ..errors import InputError, MissingExtraError
+from ..ground.place import Place
 from ..ground.heightmap import Heightmap
 from ..ground.units import METRE, unit_called
-from .place import Place
 from .source import Source
 
 # names for grids of PROJ's collection

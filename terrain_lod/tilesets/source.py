@@ -10,10 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import InputError
+from ..ground.place import Place
 from ..ground.heightmap import Heightmap
 from ..ground.units import unit_called
 from .ellipsoid import Floats, radii
-from .place import Place
 from .schemes import Bounds
 
 # samples looked at together: some 100 MB of what is worked out for each

@@ -107,9 +107,9 @@ class Frame(ABC):
         """Where the light comes from, degrees."""
         return self.request.settings.azimuth, self.request.settings.elevation
 
-    def by_detail(self, most: float) -> Paint:
-        """Return colours by the patches' edge factors, up to `most`."""
-        return by_detail(self.mesh, self.sun, self.edge_factors, self.triangle_offsets, most)
+    def by_detail(self) -> Paint:
+        """Return colours by the patches' edge factors."""
+        return by_detail(self.mesh, self.sun, self.edge_factors, self.triangle_offsets)
 
     def lines(self) -> tuple[str, ...]:
         """Return the read-out, a line each."""

@@ -13,7 +13,16 @@ from ..terrain.lod_formulas import UniformLod
 from ..terrain.lods import LODS
 from .settings import SHARED, SUN, Choice, Settings, Slider, slider_of
 
-MODES: Final = ("shaded", "wireframe", "lod", "deviation", "error", "normals")
+MODES: Final = (
+    "shaded",
+    "wireframe",
+    "lod",
+    "deviation",
+    "error",
+    "normals",
+    "size",
+    "factor",
+)
 # each a third or half as many again: kernels are built for each, which takes a second or two once
 TILES: Final = (3, 4, 6, 8, 11, 15, 21, 31, 45, 63)
 
