@@ -22,7 +22,8 @@ _SHOWN, _FILLED = 0.4, 0.25
 # stand below
 _MARGINS: Final = (0.92, 0.76)
 _PITCH: Final = -28.0  # degrees, when all of it is to be seen
-_HEADINGS: Final = (15, 0, 30, -15, 45, -30, 60, -45, -60, 75, -75, 90)  # degrees, from the most wanted on
+# degrees, the most wanted first
+_HEADINGS: Final = (15, 0, 30, -15, 45, -30, 60, -45, -60, 75, -75, 90)
 _POINTS: Final = 48  # samples along an axis that stand for all
 
 

@@ -133,9 +133,14 @@ def height_stops(height_range: tuple[float, float], metres: float | None) -> Sto
     if not low <= 0 < high:
         return land_stops(low, high, metres)
     shore = -low / (high - low)
-    water = tuple((shore * (1 - x), *rgb) for x, *rgb in reversed(WATER_STOPS)) if low < 0 else ()
-    land = ((shore + x * (1 - shore), *rgb) for x, *rgb in land_stops(0.0, high, metres))
-    return (*water, *land)  # type: ignore[return-value]
+    water = tuple(
+        (shore * (1 - deep), red, green, blue) for deep, red, green, blue in reversed(WATER_STOPS)
+    )
+    land = tuple(
+        (shore + at * (1 - shore), red, green, blue)
+        for at, red, green, blue in land_stops(0.0, high, metres)
+    )
+    return (*water, *land) if low < 0 else land
 
 
 def hypsometric(

@@ -81,5 +81,5 @@ def _in_seen_metres(lod: AnyLod, factor: float) -> AnyLod:
         assert not isinstance(inner, Weighted)
         return replace(lod, lod=inner)
     if isinstance(lod, PromiseLod) and "metres" in lod.numbers():
-        return replace(lod, metres=lod.metres * factor)
+        return type(lod)(**(lod.numbers() | {"metres": lod.metres * factor}))
     return lod

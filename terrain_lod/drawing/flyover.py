@@ -25,8 +25,10 @@ from ..paths import replacing, require_made
 from ..terrain.lod import AnyLod, checked_lod, unweighted
 from ..terrain.terrain import Terrain
 from .drape import Drape
+from .exaggeration import ExaggeratedTerrain
 from .graphics import require_graphics
 from .picture import SUN, Picture, draw, save_png
+from .scales import metres_above_sea
 
 _NOTES: Final = "frames.json"  # what the pictures of a folder show
 _TEXT_HEIGHT: Final = 1 / 36  # of the picture
@@ -42,6 +44,7 @@ class Look:
     drape: Drape | None = None
     wireframe: bool = False
     counts: bool = True
+    exaggeration: float = 1.0
 
 
 def render_path(
@@ -100,16 +103,18 @@ def render_path(
     _require_same(folder, _description(terrain, cameras, lods, look, meshing))
     digits = max(4, len(str(len(cameras) - 1)))
     paths = tuple(folder / f"{number:0{digits}d}.png" for number in range(len(cameras)))
+    drawn = ExaggeratedTerrain(terrain, look.exaggeration)
     for number, (camera, path) in enumerate(zip(cameras, paths, strict=True)):
         if not path.exists():
-            save_png(_picture(terrain, camera, lods, look, meshing), path)
+            save_png(_picture(drawn, terrain.ground, camera, lods, look, meshing), path)
         if progress is not None:
             progress(number + 1, len(cameras))
     return paths
 
 
 def _picture(
-    terrain: Terrain,
+    terrain: ExaggeratedTerrain,
+    ground: Heightmap,
     camera: Camera,
     lods: Sequence[AnyLod],
     look: Look,
@@ -127,12 +132,14 @@ def _picture(
             seen,
             style=look.style,
             sun=look.sun,
-            height_range=terrain.ground.height_range,
+            height_range=ground.height_range,
+            metres=metres_above_sea(ground),
+            exaggeration=look.exaggeration,
             drape=look.drape,
             wireframe=look.wireframe,
         )
         if look.counts:
-            shown = _labelled(shown, _label(mesh, lod, terrain.ground.unit_symbols[1]))
+            shown = _labelled(shown, _label(mesh, lod, ground.unit_symbols[1]))
         left = number * (part + _GAP)
         picture[:, left : left + shown.shape[1]] = shown
     return picture
@@ -179,7 +186,7 @@ def _description(
         "cameras": [repr(camera) for camera in cameras],
         "lods": [repr(lod) for lod in lods],
         **meshing,
-        "look": [look.style, list(look.sun), look.wireframe, look.counts, drape],
+        "look": [look.style, list(look.sun), look.wireframe, look.counts, drape, look.exaggeration],
     }
 
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from functools import cache
+from functools import cache, lru_cache
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Final
@@ -31,10 +31,13 @@ from .scales import Scale, nice, shortly
 _INK: Final = (20, 26, 36, 255)
 _GLASS: Final = (255, 255, 255, 205)
 _TEXT: Final = 1 / 42  # of a picture's height
+_ROWS: Final = 3  # of text beside which bar and compass stand
 _SMALLEST, _LARGEST = 10, 200  # pixels of a letter
-_BAR: Final = 1 / 5  # of a line, the most that a scale bar takes
 _WINDS: Final = ("north", "north-east", "east", "south-east", "south", "south-west", "west",
                  "north-west")  # fmt: skip
+
+Strip = npt.NDArray[np.uint8]
+"""(H, W, 4) red, green, blue, opacity; row 0 at the top."""
 
 
 def letter_size(height: int) -> int:
@@ -74,29 +77,62 @@ def noted(
 
 def foot(
     camera: Camera, lines: Sequence[str], *, scale: Scale | None = None, unit: str | None = None
-) -> npt.NDArray[np.uint8]:
-    """Return the strip: (H, W, 4) uint8, as wide as the camera's picture, the last opacity."""
+) -> Strip:
+    """Return the strip, as wide as the camera's picture."""
     width, height = camera.size
     size = letter_size(min(height, width))
-    font, margin = _font(size), size * 3 // 4
-    left = 0 if scale is None else max(width // 4, 8 * size)
-    right = 0 if unit is None else max(width // 6, 6 * size)
-    if left + right > width:  # hardly a picture: no room for either
-        left = right = 0
-    room = width - left - right - 2 * margin
-    words = [part for line in lines for part in _wrapped(line, font, room)]
-    rows = max(len(words), 3 if scale is not None or unit is not None else 1)
-    line = round(1.35 * size)
+    line, margin = _line(size), size * 3 // 4
+    sides = (
+        None if scale is None else bar(scale, size, max(width // 4, 8 * size)),
+        None if unit is None else compass(camera, unit, size, max(width // 6, 6 * size)),
+    )
+    if sum(side.shape[1] for side in sides if side is not None) > width:
+        sides = None, None  # hardly a picture: no room for either
+    left, right = (0 if side is None else side.shape[1] for side in sides)
+    font, room = _font(size), width - left - right - 2 * margin
+    words = [part for text in lines for part in _wrapped(text, font, room)]
+    rows = max(len(words), *(0 if side is None else _ROWS for side in sides))
     image = Image.new("RGBA", (width, rows * line + margin), _GLASS)
     pen = ImageDraw.Draw(image)
-    top = margin // 2
-    if scale is not None and left:
-        _draw_bar(image, pen, scale, (margin, top, left - 2 * margin, line), font)
     for number, text in enumerate(words):
-        pen.text((left + margin, top + number * line), text, _INK, font=font)
-    if unit is not None and right:
-        _draw_scale(pen, camera, unit, (width - right, top, right - margin, line), font)
+        pen.text((left + margin, margin // 2 + number * line), text, _INK, font=font)
+    strip = np.array(image)
+    for side, at in zip(sides, (0, width - right), strict=True):
+        if side is not None:
+            strip[: side.shape[0], at : at + side.shape[1]] = side
+    return strip
+
+
+@lru_cache(maxsize=64)
+def bar(scale: Scale, size: int, width: int) -> Strip:
+    """Return a colour bar with its title above and its numbers below, in letters of `size`."""
+    line, margin = _line(size), size * 3 // 4
+    image = Image.new("RGBA", (width, _ROWS * line + margin), _GLASS)
+    _draw_bar(image, scale, (margin, margin // 2, width - 2 * margin, line), _font(size))
     return np.asarray(image)
+
+
+def compass(camera: Camera, unit: str, size: int, width: int) -> Strip:
+    """Return an arrow to the north above a bar of a round length, as long as it is mid-picture."""
+    depth = math.dist(camera.eye, camera.target)
+    pixels = camera.focal / (1.0 if camera.height is not None else depth)  # a unit of length
+    # what is drawn from is rounded, so that a camera that moves a little has it drawn already
+    east, north, _ = camera.axes[0]  # what points to the right of the picture is level
+    turn = round(math.degrees(math.atan2(north, east)))
+    return _compass(turn, float(f"{pixels:.2g}"), unit, size, width)
+
+
+@lru_cache(maxsize=256)
+def _compass(turn: int, pixels: float, unit: str, size: int, width: int) -> Strip:
+    line, margin = _line(size), size * 3 // 4
+    image = Image.new("RGBA", (width, _ROWS * line + margin), _GLASS)
+    box = margin, margin // 2, width - 2 * margin, line
+    _draw_compass(ImageDraw.Draw(image), turn, pixels, unit, box, _font(size))
+    return np.asarray(image)
+
+
+def _line(size: int) -> int:
+    return round(1.35 * size)
 
 
 def said_of(camera: Camera, sun: tuple[float, float] | None, exaggeration: float = 1.0) -> str:
@@ -129,10 +165,8 @@ def _length(value: float, unit: str) -> str:
     return f"{shortly(value)} {unit}"
 
 
-def _draw_bar(
-    image: Image.Image, pen: Any, scale: Scale, box: tuple[int, int, int, int], font: Any
-) -> None:
-    """Draw a colour bar with its title above and its numbers below."""
+def _draw_bar(image: Image.Image, scale: Scale, box: tuple[int, int, int, int], font: Any) -> None:
+    pen = ImageDraw.Draw(image)
     left, top, width, line = box
     title = f"{scale.title}, {scale.unit}" if scale.unit else scale.title
     pen.text((left, top), title, _INK, font=font)
@@ -144,7 +178,7 @@ def _draw_bar(
     under = place[1] + bar.shape[0]
     pen.rectangle((*place, left + width - 1, under), outline=_INK)
     ends = -1.0
-    for at, text in _in_order(scale.marks()):
+    for at, text in scale.marks():
         extent = font.getlength(text)
         x = min(max(left + at * width - extent / 2, left), left + width - extent)
         last = left + width - font.getlength(scale.marks()[-1][1]) - line / 3
@@ -156,42 +190,30 @@ def _draw_bar(
         ends = x + extent + line / 3
 
 
-def _in_order(marks: tuple[tuple[float, str], ...]) -> list[tuple[float, str]]:
-    return sorted(marks)
-
-
-def _draw_scale(
-    pen: Any, camera: Camera, unit: str, box: tuple[int, int, int, int], font: Any
+def _draw_compass(
+    pen: Any, turn: int, pixels: float, unit: str, box: tuple[int, int, int, int], font: Any
 ) -> None:
-    """Draw an arrow to the north and a bar of a round length, as long as it is mid-picture."""
     left, top, width, line = box
-    target = np.array(camera.target)
-    depth = float(np.linalg.norm(np.subtract(camera.eye, target)))
-    pixels = camera.focal / (1.0 if camera.height is not None else depth)  # a unit of length
-    longest = 0.9 * width
-    length = nice(longest / pixels)
-    while length * pixels > longest:
+    length = nice(0.9 * width / pixels)
+    while length * pixels > 0.9 * width:
         length = nice(length / 2.5)
-    extent, foot = length * pixels, top + 3 * line - line // 8
-    middle = left + width / 2
-    pen.line((middle - extent / 2, foot, middle + extent / 2, foot), _INK, max(2, line // 10))
+    extent, below = length * pixels, top + _ROWS * line - line // 8
+    middle, thick = left + width / 2, max(2, line // 10)
+    pen.line((middle - extent / 2, below, middle + extent / 2, below), _INK, thick)
     for end in (middle - extent / 2, middle + extent / 2):
-        pen.line((end, foot - line // 4, end, foot), _INK, max(2, line // 10))
+        pen.line((end, below - line // 4, end, below), _INK, thick)
     label = f"{_length(length, unit)} mid-picture"
     if font.getlength(label) > width:
         label = _length(length, unit)
-    pen.text((middle, foot - line // 4), label, _INK, font=font, anchor="ms")
-    # north as it is seen from above, turned with the camera
-    east, north_, _ = camera.axes[0]  # what points to the right of the picture is level
-    north = np.array([north_, east]) / (np.hypot(east, north_) or 1.0)
-    reach, centre = 0.62 * line, np.array([middle, top + 0.85 * line])
-    ahead, side = north * [1, -1] * reach, np.array([north[1], north[0]]) * reach * 0.45
-    pen.polygon(
-        [tuple(centre + ahead), tuple(centre - ahead * 0.8 + side), tuple(centre - ahead * 0.4),
-         tuple(centre - ahead * 0.8 - side)],
-        fill=_INK,
-    )  # fmt: skip
-    pen.text(tuple(centre + (line, 0)), "N", _INK, font=font, anchor="lm")
+    pen.text((middle, below - line // 3), label, _INK, font=font, anchor="ms")
+    # north as it is seen from above, turned with the camera; y goes down
+    across, up = math.sin(math.radians(turn)), math.cos(math.radians(turn))
+    ahead, side = np.array([across, -up]) * 0.62 * line, np.array([up, across]) * 0.28 * line
+    centre = np.array([middle, top + 0.75 * line])
+    corners = (centre + ahead, centre + side - 0.8 * ahead, centre - 0.4 * ahead,
+               centre - side - 0.8 * ahead)  # fmt: skip
+    pen.polygon([tuple(corner) for corner in corners], fill=_INK)
+    pen.text((centre[0] + line, centre[1]), "N", _INK, font=font, anchor="lm")
 
 
 def _wrapped(text: str, font: Any, room: float) -> list[str]:

@@ -18,8 +18,7 @@ from .drape import Drape
 from .exaggeration import ExaggeratedTerrain, stretched
 from .graphics import require_graphics
 from .picture import STYLES, SUN, SUN_ON_MESHES, Picture, draw, require_png, save_png
-from .scales import metres_above_sea
-from .titles import with_notes
+from .portrait import Portrait
 
 
 def render(
@@ -128,7 +127,6 @@ def render(
     elif isinstance(what, Terrain):
         ground = what.ground
         drape = None if texture is None else Drape.load(file_path("texture", texture), ground)
-        height_range = ground.height_range if height_range is None else height_range
         camera = camera or default_camera(ground, exaggeration=tall)
         what = ExaggeratedTerrain(what, tall).mesh(camera, lod=lod)
     elif camera is None:
@@ -137,31 +135,29 @@ def render(
     is_ground = what.patches is not None
     style = style or ("shaded" if is_ground else "plain")
     sun = (SUN if is_ground else SUN_ON_MESHES) if sun is None else sun
-    picture = draw(
-        what,
-        camera,
-        style=style,
-        sun=sun,
-        height_range=height_range,
-        metres=None if ground is None else metres_above_sea(ground),
-        factor_range=factor_range,
-        drape=drape,
-        wireframe=wireframe,
-        exaggeration=tall,
-    )
-    if noting and ground is not None:
-        picture = with_notes(
-            picture,
+    if ground is None:
+        picture = draw(
             what,
             camera,
-            ground,
             style=style,
             sun=sun,
             height_range=height_range,
             factor_range=factor_range,
-            draped=drape is not None,
+            wireframe=wireframe,
             exaggeration=tall,
         )
+    else:
+        portrait = Portrait(
+            ground,
+            style,
+            sun,
+            tall,
+            height_range,
+            factor_range,
+            drape,
+            flag("wireframe", wireframe),
+        )
+        picture = portrait.of(what, camera, notes=noting)
     if path is not None:
         save_png(picture, path)
     return picture

@@ -55,7 +55,8 @@ class Scale:
         extent = float(ends[1] - ends[0])
         # a single number has the colour of the middle
         shares = (numbers - ends[0]) / extent if extent > 0 else np.full(numbers.shape, 0.5)
-        return np.clip(shares, 0.0, 1.0).astype(np.float32)
+        held: npt.NDArray[np.float32] = np.clip(shares, 0.0, 1.0).astype(np.float32)
+        return held
 
     def colours(self, values: npt.ArrayLike) -> Colours:
         """Return the colour of each number (N,)."""
@@ -67,8 +68,9 @@ class Scale:
         if not self.low < self.high:
             return ((0.5, shortly(self.low)),)
         if self.logarithmic:
-            octaves = np.arange(math.ceil(math.log2(self.low)), math.floor(math.log2(self.high)) + 1)
-            inner = [2.0**octave for octave in octaves[:: 1 + len(octaves) // (_MARKS + 2)]]
+            first, last = math.ceil(math.log2(self.low)), math.floor(math.log2(self.high))
+            every = 1 + (last - first) // (_MARKS + 2)
+            inner = [2.0**octave for octave in range(first, last + 1, every)]
         else:
             step = nice((self.high - self.low) / (_MARKS - 1))
             first, last = math.ceil(self.low / step), math.floor(self.high / step)

@@ -153,8 +153,8 @@ def said_in_degrees(crs: str | None, x: float, y: float, digits: int = 3) -> str
     return f"{abs(latitude):.{digits}f}° {north}, {abs(longitude):.{digits}f}° {east}"
 
 
-def said_place(crs: str | None, x: float, y: float, unit: str) -> str:
-    """Return where a place is: in degrees where that is known, and as the raster's own map has it.
+def said_place(crs: str | None, x: float, y: float, unit: str) -> tuple[str, ...]:
+    """Return where a place is: in degrees if that is known, and as the raster's own map has it.
 
     Lengths that were made of degrees, or of a stretched map, are nobody's coordinates: the numbers
     that they were made of are said.
@@ -164,10 +164,10 @@ def said_place(crs: str | None, x: float, y: float, unit: str) -> str:
     if local is not None:
         x, y = x / float(local["east"]), y / float(local["north"])
         if local["map"] is None:
-            return degrees or f"{x:.6f}, {y:.6f} degrees"
+            return (degrees or f"{x:.6f}, {y:.6f} degrees",)
         crs = local["map"]
     own = f"x {x:,.1f}, y {y:,.1f}"
     if crs is None:
-        return f"{own} {unit}"
-    name = f" in {crs}" if len(crs) < _LONGEST_NAME else ""
-    return f"{degrees}, {own}{name}" if degrees else f"{own}{name or ' ' + unit}"
+        return (f"{own} {unit}",)
+    named = f"{own} in {crs}" if len(crs) < _LONGEST_NAME else f"{own} {unit}"
+    return (degrees, named) if degrees else (named,)

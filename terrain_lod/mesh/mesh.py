@@ -101,7 +101,7 @@ class Patches:
             np.searchsorted(grid.corner_rows, top + down),
             np.searchsorted(grid.corner_columns, left + across),
         )
-        largest = values[first].astype(np.float64)
+        largest: npt.NDArray[np.float64] = values[first].astype(np.float64)
         for patch in np.flatnonzero((end[0] - first[0] > 1) | (end[1] - first[1] > 1)):
             part = values[first[0][patch] : end[0][patch], first[1][patch] : end[1][patch]]
             largest[patch] = np.fmax.reduce(part, axis=None)

@@ -8,8 +8,8 @@ from typing import Final
 import numpy as np
 
 from ..errors import InputError, MissingExtraError
-from ..ground.place import Place
 from ..ground.heightmap import Heightmap
+from ..ground.place import Place
 from ..ground.units import METRE, unit_called
 from .source import Source
 

@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import InputError
-from ..ground.place import Place
 from ..ground.heightmap import Heightmap
+from ..ground.place import Place
 from ..ground.units import unit_called
 from .ellipsoid import Floats, radii
 from .schemes import Bounds

@@ -95,7 +95,7 @@ def by_patches(mesh: Mesh, sun: Sun, style: str) -> Paint:
 def by_deviation(
     mesh: Mesh,
     sun: Sun,
-    deviations: npt.NDArray[np.float32],
+    deviations: npt.NDArray[np.float64],
     triangle_offsets: npt.NDArray[np.int64],
     rough: float,
     unit: str,
@@ -107,9 +107,7 @@ def by_deviation(
 
 def by_error(mesh: Mesh, sun: Sun, field: npt.NDArray[np.float32], ground: Heightmap) -> Paint:
     """Colour every sample by its vertical error (R, C), NaN where it was not measured."""
-    scale = scales.errors(
-        float(np.nanmax(np.abs(field), initial=0.0)), ground.unit_symbols[1]
-    )
+    scale = scales.errors(float(np.nanmax(np.abs(field), initial=0.0)), ground.unit_symbols[1])
     table = to_bytes(ramp(scale.stops, np.linspace(0, 1, _STEPS, dtype=np.float32)))
     steps = np.nan_to_num((field / scale.high + 1) * (0.5 * (_STEPS - 1)), nan=0.5 * _STEPS)
     light = 255 * _light(mesh.normals, sun)

@@ -85,6 +85,11 @@ class Frame(ABC):
         """Return what else is known of the mesh, a line each."""
         return ()
 
+    def headline(self) -> str:
+        """Return what matters most of the mesh, in a line."""
+        frozen = ", frozen" if self.request.settings.frozen else ""
+        return f"{len(self.mesh.triangles):,} triangles{frozen}"
+
     @abstractmethod
     def painted(self) -> Paint:
         """Return the mesh's colours."""
@@ -137,6 +142,8 @@ class Scene(ABC):
         World point.
     diagonal : float
         Of its extent, in world units.
+    unit : str or None
+        Of x and y; None for what is no ground, which has neither scale nor north.
     read_by_vtk : bool
         Whether its file is: VTK waits for itself when it reads on one thread and draws on another.
     """
@@ -144,6 +151,7 @@ class Scene(ABC):
     settings: Settings
     centre: Point
     diagonal: float
+    unit: str | None = None
     read_by_vtk: bool = False
 
     @abstractmethod

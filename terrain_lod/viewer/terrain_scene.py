@@ -70,8 +70,8 @@ class TilePick(Pick):
     ----------
     tile : (int, int)
         Row and column.
-    place : str
-        Where that is: in degrees where they are known, and in the raster's own coordinates.
+    place : tuple of str
+        Where that is, in degrees where they are known, and in the raster's own coordinates.
     height : float
         In truth, however high it is drawn.
     edge_factors : tuple of float
@@ -85,7 +85,7 @@ class TilePick(Pick):
     """
 
     tile: tuple[int, int]
-    place: str
+    place: tuple[str, ...]
     height: float
     edge_factors: tuple[float, ...]
     inside_factors: tuple[float, ...]
@@ -95,8 +95,8 @@ class TilePick(Pick):
 
     def lines(self) -> tuple[str, ...]:
         return (
-            f"height {self.height:,.2f} {self.unit} at {self.place}",
-            f"tile {self.tile[0]}, {self.tile[1]}",
+            f"tile {self.tile[0]}, {self.tile[1]}  height {self.height:,.2f} {self.unit}",
+            *self.place,
             f"factors {numbered(self.edge_factors)}  inside {numbered(self.inside_factors)}",
             f"plane {numbered(self.normal, 3)}  deviation {self.deviation:.3g} {self.unit}",
         )
@@ -126,7 +126,16 @@ class TerrainFrame(Frame):
     error: Measured | None = None
 
     def facts(self) -> tuple[str, ...]:
-        return (f"largest error {self.error or 'being measured'}",)
+        tall = self.scene.exaggeration
+        drawn = () if tall == 1 else (f"heights drawn {tall:g} times as high",)
+        return (f"largest error {self.error or 'being measured'}", *drawn)
+
+    def headline(self) -> str:
+        asked = self.settings.asked()
+        error = f"error {self.error}" if self.error else "error being measured"
+        wanted = f" (asked: {asked})" if asked else ""
+        tall = "" if self.scene.exaggeration == 1 else f"; heights × {self.scene.exaggeration:g}"
+        return f"{super().headline()}, {error}{wanted}{tall}"
 
     def painted(self) -> Paint:
         mesh, sun, ground = self.mesh, self.sun, self.terrain.ground
@@ -228,7 +237,7 @@ class TerrainScene(Scene):
         self.ground, self.levels, self.device = ground, levels, Device.of(device)
         self.exaggeration = positive("exaggeration", exaggeration)
         self.shown = exaggerated(ground, self.exaggeration)
-        self.centre = self.shown.centre
+        self.centre, self.unit = self.shown.centre, ground.unit_symbols[0]
         self.diagonal = float(np.hypot(*ground.extent))
         self.settings = TerrainSettings(diagonal=self.diagonal)
         if ground.heights.size > _LARGE:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
@@ -102,6 +103,15 @@ class TerrainSettings(Settings):
         lod = unweighted(self.detail())
         promised = isinstance(lod, PromiseLod) and lod.triangles is None
         return promised and self.partitioning == "integer"
+
+    def asked(self) -> str | None:
+        """Return the error that the level of detail is to keep, if it is asked for one."""
+        lod = unweighted(self.detail())
+        if not isinstance(lod, PromiseLod) or lod.triangles is not None:
+            return None
+        if not math.isfinite(lod.pixels):
+            return f"{lod.metres:.3g}"
+        return f"{lod.pixels:g} pixel{'' if lod.pixels == 1 else 's'}"
 
     def detail(self) -> AnyLod:
         """Return the level of detail."""
