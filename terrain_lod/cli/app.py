@@ -108,6 +108,7 @@ def render(
     style: Literal["shaded", "wireframe", "lod", "size", "factor"] = "shaded",
     sun: Sun = None,
     exaggeration: float = 1.0,
+    sky_light: Annotated[bool, Parameter(negative="--no-sky-light", show_default=False)] = True,
     notes: Annotated[bool, Parameter(negative="--no-notes", show_default=False)] = True,
     memory: Memory = None,
     reading: GroundOptions = GroundOptions(),  # noqa: B008
@@ -132,6 +133,8 @@ def render(
         Where the light comes from: degrees clockwise from north, degrees above the horizon.
     exaggeration
         How many times as high heights are drawn; errors in metres are true ones.
+    sky_light
+        Let ground that sees less of the sky have less of its light, or do not.
     notes
         Say along the foot of the picture what it shows, or do not: colours, scale, north, camera,
         triangles and error.
@@ -165,9 +168,11 @@ def render(
     log("%r", heights)
     made = terrain.make(heights, chosen, added)
     if many.many:
-        shown: dict[str, Any] = {"style": style, "sun": sun or SUN, "exaggeration": tall}
+        shown: dict[str, Any] = {"style": style, "sun": sun or SUN}
+        shown |= {"exaggeration": tall, "sky_light": sky_light}
         return many.render(made, camera, output, [chosen, *beside], meshing, **shown)
-    mesh = ExaggeratedTerrain(made, tall).mesh(camera, lod=chosen, **vars(meshing))
+    drawn = ExaggeratedTerrain(made, tall)
+    mesh = drawn.mesh(camera, lod=chosen, **vars(meshing))
     log("%r from %r", mesh, chosen)
     look = Portrait(
         heights,
@@ -176,6 +181,7 @@ def render(
         exaggeration=tall,
         drape=many.drape(heights),
         wireframe=many.wireframe,
+        sky_light=drawn.sky_light() if sky_light else None,
     )
     save_png(look.of(mesh, camera, notes=notes), output)
     say(f"{output}: {_counts(mesh, heights)}")

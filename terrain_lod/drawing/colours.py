@@ -78,6 +78,9 @@ _ROCK: Final = (0.50, 0.46, 0.42)
 _SUN: Final = (1.00, 0.95, 0.86)
 _SKY: Final = (0.30, 0.36, 0.44)
 
+# of an open sky where it is known what hides it, in skies; and how fast light falls as it is hidden
+_OPEN_SKY, _DEPTH = 1.25, 2.0
+
 _GAMMA: Final = 2.2
 _STEPS: Final = 1024  # of a ramp that is looked up
 
@@ -208,11 +211,20 @@ def facing(
 
 
 def lit(
-    colours: Colours, normals: npt.NDArray[np.float32], sun: npt.NDArray[np.float32]
+    colours: Colours,
+    normals: npt.NDArray[np.float32],
+    sun: npt.NDArray[np.float32],
+    sky: npt.NDArray[np.float32] | None = None,
 ) -> Colours:
-    """Return `colours` (N, 3) under sun and sky: Lambert's cosine, and more sky from above."""
+    """Return `colours` (N, 3) under sun and sky: Lambert's cosine, and more sky from above.
+
+    With the share of its light that a sky gives each (N,), there is more of it where it is whole,
+    and little where it is not: what is lit from valley to valley is lit twice.
+    """
     facing_sun = facing(normals, sun)
     facing_sky = 0.5 + 0.5 * normals[:, 2]
+    if sky is not None:
+        facing_sky *= np.float32(_OPEN_SKY) * sky**_DEPTH
     seen = np.empty(colours.shape, np.float32)
     # a channel at a time: rows of three are slow
     for channel, (of_sun, of_sky) in enumerate(zip(_SUN, _SKY, strict=True)):

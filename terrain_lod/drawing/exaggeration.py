@@ -13,6 +13,7 @@ from ..ground.exaggeration import exaggerated
 from ..mesh.mesh import Mesh
 from ..terrain.lod import AnyLod, PromiseLod, Weighted
 from ..terrain.terrain import Terrain
+from .sky_light import SkyLight
 
 
 class ExaggeratedTerrain:
@@ -46,6 +47,10 @@ class ExaggeratedTerrain:
                 plane=terrain.plane,
                 device=terrain.device,
             )
+
+    def sky_light(self) -> SkyLight:
+        """Return the light of the sky on the ground as it is drawn."""
+        return SkyLight(self._seen.ground, self._seen.sky)
 
     def mesh(self, camera: Camera, *, lod: AnyLod | None = None, **meshing: Any) -> Mesh:
         """Return the true mesh for the picture of a camera that stands in the true world.

@@ -45,6 +45,7 @@ class Look:
     wireframe: bool = False
     counts: bool = True
     exaggeration: float = 1.0
+    sky_light: bool = True
 
 
 def render_path(
@@ -135,6 +136,7 @@ def _picture(
             height_range=ground.height_range,
             metres=metres_above_sea(ground),
             exaggeration=look.exaggeration,
+            sky_light=terrain.sky_light() if look.sky_light else None,
             drape=look.drape,
             wireframe=look.wireframe,
         )

@@ -26,6 +26,7 @@ from .exaggeration import stretched
 from .graphics import require_graphics
 from .outlines import patch_outlines
 from .scales import Scale
+from .sky_light import SkyLight
 
 if TYPE_CHECKING:
     import pyvista
@@ -69,12 +70,13 @@ def draw(
     drape: Drape | None = None,
     wireframe: bool = False,
     exaggeration: float = 1.0,
+    sky_light: SkyLight | None = None,
 ) -> Picture:
     """Draw `mesh` as `camera` sees it, perhaps with a picture in place of the tints.
 
     Mesh and camera are in the true world; both are drawn with their heights exaggerated. `metres`
-    is the unit of heights above the sea, None where nobody knows where that is. All else is as for
-    :func:`render`, what it raises as well.
+    is the unit of heights above the sea, None where nobody knows where that is; `sky_light` is of
+    the ground as it is drawn. All else is as for :func:`render`, what it raises as well.
     """
     if max(camera.size) > _LARGEST_WINDOW:
         raise InputError(f"expected a size of at most {_LARGEST_WINDOW} pixels, got {camera.size}")
@@ -83,10 +85,11 @@ def draw(
     mesh, camera = stretched(mesh, factor), camera.lifted(factor)
     if one_of("style", style, STYLES) != "shaded" and drape is not None:
         raise InputError(f"expected style 'shaded' with a texture, got {style!r}")
+    sky = None if sky_light is None else sky_light.on(mesh)
     if drape is not None:
-        colours = lit(np.ones_like(mesh.vertices), mesh.normals, direction)
+        colours = lit(np.ones_like(mesh.vertices), mesh.normals, direction, sky)
     elif style == "shaded":
-        colours = _shaded(mesh, camera, direction, height_range, metres, factor)
+        colours = _shaded(mesh, camera, direction, height_range, metres, factor, sky)
     elif style == "plain":
         clay = np.broadcast_to(np.asarray(_CLAY, np.float32), mesh.vertices.shape)
         colours = lit(clay, mesh.normals, direction)
@@ -141,6 +144,7 @@ def _shaded(
     height_range: tuple[float, float] | None,
     metres: float | None,
     exaggeration: float,
+    sky: npt.NDArray[np.float32] | None,
 ) -> Colours:
     """Return the colour of each vertex: tinted by height, lit, and fading into the distance."""
     heights = (mesh.vertices[:, 2] + np.float32(mesh.origin[2])) / np.float32(exaggeration)
@@ -149,7 +153,8 @@ def _shaded(
     low, high = numbers("height_range", height_range, "low", "high")
     if low > high:
         raise InputError(f"expected a height_range that rises, got {(low, high)}")
-    colours = lit(hypsometric(heights, mesh.normals, (low, high), metres), mesh.normals, sun)
+    tinted = hypsometric(heights, mesh.normals, (low, high), metres)
+    colours = lit(tinted, mesh.normals, sun, sky)
     # at the mesh's own length away, a quarter of what is seen is air; from farther off no more
     away = np.linalg.norm(mesh.vertices - np.subtract(camera.eye, mesh.origin), axis=1)
     length = float(np.linalg.norm(np.ptp(mesh.vertices[:, :2], axis=0))) if len(heights) else 1.0

@@ -12,6 +12,7 @@ from .drape import Drape
 from .notes import noted, said_of, said_of_ground
 from .picture import OF_PATCHES, SUN, Picture, draw, scale_of
 from .scales import Scale, metres_above_sea, tints
+from .sky_light import SkyLight
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,6 +27,7 @@ class Portrait:
     factor_range: tuple[float, float] | None = None
     drape: Drape | None = None
     wireframe: bool = False
+    sky_light: SkyLight | None = None
 
     def of(self, mesh: Mesh, camera: Camera, *, notes: bool) -> Picture:
         """Return the picture of a mesh of the ground, both in the true world as the camera is."""
@@ -40,6 +42,7 @@ class Portrait:
             drape=self.drape,
             wireframe=self.wireframe,
             exaggeration=self.exaggeration,
+            sky_light=self.sky_light,
         )
         if not notes:
             return picture

@@ -34,6 +34,7 @@ def render(
     height_range: tuple[float, float] | None = None,
     factor_range: tuple[float, float] | None = None,
     exaggeration: float = 1.0,
+    sky_light: bool = True,
     notes: bool = True,
     device: Device | None = None,
 ) -> Picture:
@@ -73,6 +74,9 @@ def render(
     exaggeration : float, optional
         How many times as high heights are drawn. Pixels that a level of detail keeps are those of
         the picture, metres are true; so are the camera's coordinates.
+    sky_light : bool, optional
+        Let ground that sees less of the sky have less of its light, so that valleys are deep. Not
+        of pyramids and meshes.
     notes : bool, optional
         Say along the foot of the picture what it shows: a colour bar, a scale bar, north, where
         the camera looks and the sun stands, triangles and error.
@@ -110,10 +114,10 @@ def render(
         require_png(path)
     require_graphics()
     tall = positive("exaggeration", exaggeration)
-    noting = flag("notes", notes)
+    noting, with_sky = flag("notes", notes), flag("sky_light", sky_light)
     if isinstance(what, Heightmap):
         what = Terrain(what, device=device)
-    drape, ground = None, None
+    drape, ground, sky = None, None, None
     if isinstance(what, StreamingTerrain):
         if tall != 1:
             raise InputError(
@@ -128,7 +132,8 @@ def render(
         ground = what.ground
         drape = None if texture is None else Drape.load(file_path("texture", texture), ground)
         camera = camera or default_camera(ground, exaggeration=tall)
-        what = ExaggeratedTerrain(what, tall).mesh(camera, lod=lod)
+        drawn = ExaggeratedTerrain(what, tall)
+        what, sky = drawn.mesh(camera, lod=lod), drawn.sky_light() if with_sky else None
     elif camera is None:
         seen = stretched(what, tall)
         camera = camera_around(seen.vertices, seen.origin).lifted(1 / tall)
@@ -156,6 +161,7 @@ def render(
             factor_range,
             drape,
             flag("wireframe", wireframe),
+            sky,
         )
         picture = portrait.of(what, camera, notes=noting)
     if path is not None:

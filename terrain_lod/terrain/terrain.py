@@ -35,6 +35,7 @@ from .lod_promises import ScreenErrorLod
 from .meshing import Tessellated, mesh_of
 from .promise import Promise
 from .queries import heights_on_device, rays_on_device
+from .sky import sky_seen
 from .steady import Steady
 from .tiles import DeviceTiles
 from .turns import Turns
@@ -96,6 +97,7 @@ class Terrain:
         relief, device = Relief(ground, detail), Device.of(device)
         self._tiles = DeviceTiles.of(DeviceGround.upload(relief, tile, device), plane=plane)
         self._turns, self._measuring = Turns(), threading.Lock()
+        self._sky: tuple[Heightmap, npt.NDArray[np.float32]] | None = None
 
     def update(self, rows: slice, columns: slice, heights: npt.ArrayLike) -> int:
         """Replace samples of the ground, and analyse the tiles that they touch anew.
@@ -163,6 +165,18 @@ class Terrain:
     def origin(self) -> tuple[float, float, float]:
         """World point that meshes of this terrain are relative to."""
         return self._tiles.ground.origin
+
+    @property
+    def sky(self) -> npt.NDArray[np.float32]:
+        """Share of the sky's light that each sample has, 0 to 1, without detail; (R, C).
+
+        Found once, and again after an update.
+        """
+        with self._turns.reading(), self._measuring:
+            ground = self.ground
+            if self._sky is None or self._sky[0] is not ground:
+                self._sky = ground, sky_seen(ground, self.device)
+            return self._sky[1]
 
     @property
     def scene(self) -> Scene:

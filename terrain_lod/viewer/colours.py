@@ -13,6 +13,7 @@ from ..drawing.colours import facing, hypsometric, lit, ramp, sun_direction, to_
 from ..drawing.drape import Drape
 from ..drawing.picture import SHADE, scale_of
 from ..drawing.scales import Scale
+from ..drawing.sky_light import SkyLight
 from ..ground.heightmap import Heightmap
 from ..mesh.mesh import Mesh
 
@@ -50,13 +51,16 @@ class Paint:
 UNPAINTED: Final = Paint(np.empty((0, 3), np.uint8), "")
 
 
-def by_height(mesh: Mesh, sun: Sun, ground: Heightmap, exaggeration: float) -> Paint:
-    """Tint a mesh of exaggerated ground by its true heights, under the sun."""
+def by_height(
+    mesh: Mesh, sun: Sun, ground: Heightmap, exaggeration: float, sky_light: SkyLight | None
+) -> Paint:
+    """Tint a mesh of exaggerated ground by its true heights, under sun and sky."""
     heights = (mesh.vertices[:, 2] + np.float32(mesh.origin[2])) / np.float32(exaggeration)
     scale = scales.heights(ground)
     metres = scales.metres_above_sea(ground)
     tints = hypsometric(heights, mesh.normals, (scale.low, scale.high), metres)
-    colours = to_bytes(lit(tints, mesh.normals, sun_direction(*sun)))
+    sky = None if sky_light is None else sky_light.on(mesh)
+    colours = to_bytes(lit(tints, mesh.normals, sun_direction(*sun), sky))
     return Paint(colours, scale.said(), scale=scale)
 
 

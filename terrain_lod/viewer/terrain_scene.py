@@ -13,6 +13,7 @@ from ..camera.camera import Camera, Point
 from ..camera.viewpoint import default_camera
 from ..device.device import Device
 from ..drawing.exaggeration import ExaggeratedTerrain, stretched
+from ..drawing.sky_light import SkyLight
 from ..ground.exaggeration import exaggerated
 from ..ground.heightmap import Heightmap
 from ..ground.place import said_place
@@ -111,6 +112,8 @@ class TerrainFrame(Frame):
     settings : TerrainSettings
         Those of the request.
     scene : TerrainScene
+    sky_light : SkyLight or None
+        On the ground as it is drawn; None where it is off.
     true_mesh : Mesh
         With heights as they are, where `mesh` is drawn with exaggerated ones.
     terrain : Terrain
@@ -121,6 +124,7 @@ class TerrainFrame(Frame):
 
     settings: TerrainSettings
     scene: TerrainScene
+    sky_light: SkyLight | None
     true_mesh: Mesh
     terrain: Terrain
     error: Measured | None = None
@@ -158,7 +162,7 @@ class TerrainFrame(Frame):
                 return by_error(mesh, sun, field, ground)
             case "normals":
                 return by_normal(mesh)
-        return by_height(mesh, sun, ground, self.scene.exaggeration)
+        return by_height(mesh, sun, ground, self.scene.exaggeration, self.sky_light)
 
     def measured(self) -> TerrainFrame:
         """Return the frame with its error, measured where the mesh did not bring it."""
@@ -285,6 +289,7 @@ class TerrainScene(Scene):
             request=request,
             scene=self,
             mesh=mesh,
+            sky_light=self._drawn.sky_light() if settings.sky_light else None,
             true_mesh=true_mesh,
             edge_factors=patches.edge_factors,
             inside_factors=patches.inside_factors,

@@ -41,6 +41,8 @@ class TerrainSettings(Settings):
         Rule for the factors that formulas give to shared edges.
     tile : int
         Cells along a tile.
+    sky_light : bool
+        Valleys have less of the sky's light.
     """
 
     lod: str = "screen-error"
@@ -49,6 +51,7 @@ class TerrainSettings(Settings):
     edge_rule: str = "min"
     partitioning: str = "integer"
     tile: int = DEFAULT_TILE
+    sky_light: bool = True
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "tile", whole("tile", self.tile, 1, MAX_TILE))
@@ -67,6 +70,7 @@ class TerrainSettings(Settings):
             Choice("lod", "l", tuple(self.formulas), "level of detail"),
             Choice("edge_rule", "e", ("min", "max"), "factor of shared edges"),
             *SHARED,
+            Choice("sky_light", "k", (True, False), "light of the sky"),
         )
 
     @property
