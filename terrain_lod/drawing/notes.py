@@ -31,6 +31,7 @@ from .scales import Scale, nice, shortly
 _INK: Final = (20, 26, 36, 255)
 _GLASS: Final = (255, 255, 255, 205)
 _TEXT: Final = 1 / 42  # of a picture's height
+_SHARE: Final = 0.3  # of a picture's height, the most that a strip takes
 _ROWS: Final = 3  # of text beside which bar and compass stand
 _SMALLEST, _LARGEST = 10, 200  # pixels of a letter
 _WINDS: Final = ("north", "north-east", "east", "south-east", "south", "south-west", "west",
@@ -53,7 +54,7 @@ def noted(
     scale: Scale | None = None,
     unit: str | None = None,
 ) -> npt.NDArray[np.uint8]:
-    """Return a picture with a strip of notes over its foot.
+    """Return a picture with a strip of notes over its foot; without where it has no room for one.
 
     Parameters
     ----------
@@ -67,7 +68,9 @@ def noted(
     unit : str, optional
         Of x and y; None for what is no ground, which has neither north nor a scale bar.
     """
-    strip = foot(camera, lines, scale=scale, unit=unit)[-picture.shape[0] :]
+    strip = foot(camera, lines, scale=scale, unit=unit)
+    if strip.shape[0] > _SHARE * picture.shape[0]:
+        return picture
     part = picture[-strip.shape[0] :]
     shares = strip[..., 3:].astype(np.float32) / 255
     made = picture.copy()
