@@ -78,7 +78,7 @@ def error_of(job: Job, tile, positions, triangles) -> float:
     for samples in job.source.samples(bounds):
         owners = surface.owners(samples, job.source)
         samples, owners = samples.chosen(owners >= 0), owners[owners >= 0]
-        worst = max(worst, float(surface.residuals(samples, owners).max(initial=0.0)))
+        worst = max(worst, float(surface.residuals(surface.seen(samples), owners).max(initial=0.0)))
     return worst
 
 

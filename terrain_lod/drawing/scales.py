@@ -86,11 +86,6 @@ class Scale:
         return f"{self.title}, {shortly(self.low)} to {shortly(self.high)}{unit}"
 
 
-def heights(ground: Heightmap) -> Scale:
-    """Return the tints of a ground's heights."""
-    return tints(ground.height_range, ground.unit_symbols[1], metres_above_sea(ground))
-
-
 def tints(height_range: tuple[float, float], unit: str, metres: float | None) -> Scale:
     """Return the tints of heights; see :func:`~terrain_lod.drawing.colours.hypsometric`."""
     title = "height" if metres is None else "height above the sea"

@@ -120,8 +120,8 @@ def _seen(comparison: Comparison, pictures: Mapping[str, Path]) -> str:
             section(
                 "Where the triangles go",
                 paragraph(
-                    "Each patch in the colour of its inside factor: red is the most detail, "
-                    "black the least.",
+                    "Each patch in the colour of its inside factor: yellow is the most detail, "
+                    "dark violet the least.",
                     kind="soft",
                 ),
                 ramp,

@@ -63,7 +63,7 @@ def save_pictures(
             picture = draw(
                 trial.mesh,
                 comparison.camera,
-                style=style,
+                style="factor" if style == "lod" else style,
                 height_range=comparison.terrain.ground.height_range,
                 factor_range=factor_range(comparison),
             )

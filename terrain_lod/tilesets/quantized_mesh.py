@@ -26,7 +26,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import InputError
-from .ellipsoid import AXIS, POLAR_AXIS, Floats, earth_centred
+from .ellipsoid import AXIS, POLAR_AXIS, Floats
 from .mend import TileMesh
 
 MOST: Final = 32767
@@ -77,9 +77,7 @@ def quantized_mesh(
     order, triangles = _by_first_use(mesh.triangles)
     places, quanta = mesh.places[order], mesh.quanta[order]
     low, high, steps = _steps(quanta, mesh.level.quantum)
-    points = earth_centred(
-        mesh.surface.longitude[order], mesh.surface.latitude[order], mesh.heights[order]
-    )
+    points = mesh.surface.points[order]
     centre = (points.min(axis=0) + points.max(axis=0)) / 2
     radius = np.linalg.norm(points - centre, axis=1).max()
     horizon = _horizon_point(points, centre)

@@ -52,13 +52,19 @@ UNPAINTED: Final = Paint(np.empty((0, 3), np.uint8), "")
 
 
 def by_height(
-    mesh: Mesh, sun: Sun, ground: Heightmap, exaggeration: float, sky_light: SkyLight | None
+    mesh: Mesh,
+    sun: Sun,
+    ground: Heightmap,
+    height_range: tuple[float, float],
+    *,
+    exaggeration: float = 1.0,
+    sky_light: SkyLight | None = None,
 ) -> Paint:
     """Tint a mesh of exaggerated ground by its true heights, under sun and sky."""
     heights = (mesh.vertices[:, 2] + np.float32(mesh.origin[2])) / np.float32(exaggeration)
-    scale = scales.heights(ground)
     metres = scales.metres_above_sea(ground)
-    tints = hypsometric(heights, mesh.normals, (scale.low, scale.high), metres)
+    scale = scales.tints(height_range, ground.unit_symbols[1], metres)
+    tints = hypsometric(heights, mesh.normals, height_range, metres)
     sky = None if sky_light is None else sky_light.on(mesh)
     colours = to_bytes(lit(tints, mesh.normals, sun_direction(*sun), sky))
     return Paint(colours, scale.said(), scale=scale)

@@ -162,7 +162,14 @@ class TerrainFrame(Frame):
                 return by_error(mesh, sun, field, ground)
             case "normals":
                 return by_normal(mesh)
-        return by_height(mesh, sun, ground, self.scene.exaggeration, self.sky_light)
+        return by_height(
+            mesh,
+            sun,
+            ground,
+            ground.height_range,
+            exaggeration=self.scene.exaggeration,
+            sky_light=self.sky_light,
+        )
 
     def measured(self) -> TerrainFrame:
         """Return the frame with its error, measured where the mesh did not bring it."""

@@ -174,7 +174,7 @@ def test_near_plane_hides_only_what_is_nearer():
 
 @needs_graphics
 def test_far_ground_hides_what_is_behind_it():
-    # 20 km off, a wall of yellow 60 m in front of a green one; and something behind the eye, so that
+    # 20 km off, yellow 60 m in front of a green wall; and something behind the eye, so that
     # the ground as a whole begins at no distance at all
     upright = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]], np.float32)
     wall = 50 * tiles_of([[1.0]]).vertices @ upright

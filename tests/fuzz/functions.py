@@ -246,6 +246,10 @@ class Bench:
         for name, value in (("height_range", (0.0, 1.0)), ("bounds", (0.0, 0.0, 9.0, 9.0)),
                             ("overview", 0), ("tile", (3, 1, 1))):  # fmt: skip
             yield Call("load", tl.load, {"path": folder / "ground.npy", name: value})
+        yield Call("Heightmap.from_xarray", tl.Heightmap.from_xarray, {
+            "array": ground.to_xarray(), "spacing": (2.0, 2.0), "nodata": 1.0,
+            "window": (0, 0, 8, 8)}, use=self._use_ground)  # fmt: skip
+        yield Call("Heightmap.to_xarray", lambda: ground.to_xarray().shape, {})
         yield Call("sample", lambda name: tl.sample(name), {"name": "topobathy"})
         yield Call("sample_names", tl.sample_names, {})
         yield Call("default_camera", tl.default_camera, {
