@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
@@ -89,7 +90,12 @@ def orbit_camera(
     circles = radii[:, None] * np.cos(turns), radii[:, None] * np.sin(turns)
     rises = np.broadcast_to(away[:, 2:], circles[0].shape)
     swept = np.stack([*circles, rises], axis=-1).reshape(-1, 3) + centre
-    return _whole_view(swept, 0.0, fov, size).lifted(1 / exaggeration)
+    view = _whole_view(swept, 0.0, fov, size)
+    # it looks north: where its view meets the middle of the ground, the turns are around that
+    forward = view.axes[2]
+    ahead = (centre[1] - view.eye[1]) / forward[1]
+    target = (centre[0], centre[1], view.eye[2] + ahead * float(forward[2]))
+    return replace(view, eye=(centre[0], *view.eye[1:]), target=target).lifted(1 / exaggeration)
 
 
 def camera_around(
