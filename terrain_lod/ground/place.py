@@ -93,7 +93,7 @@ class Place:
             return cls(crs, crs, _from_mercator, _to_mercator)
         try:
             from pyproj import Transformer
-            from pyproj.exceptions import CRSError
+            from pyproj.exceptions import ProjError
         except ImportError:
             raise MissingExtraError(
                 f"expected pyproj for ground in {crs[:60]}, got none: "
@@ -101,7 +101,7 @@ class Place:
             ) from None
         try:
             there = Transformer.from_crs(crs, "EPSG:4326", always_xy=True)
-        except CRSError as error:
+        except ProjError as error:
             reason = " ".join(str(error).split())[:200]
             raise InputError(
                 f"expected a CRS that PROJ knows, got {crs[:60]!r}: {reason}"
