@@ -4,7 +4,7 @@ from .camera.camera import Camera
 from .camera.viewpoint import default_camera
 from .curved.displaced import displace
 from .curved.smooth import pn_triangles
-from .device.device import Device
+from .device.device import Device, DeviceArray
 from .device.drivers import devices
 from .drawing.render import render
 from .errors import (
@@ -32,6 +32,7 @@ from .measure.screen_error import (
     screen_error,
     silhouette_error,
 )
+from .mesh.device_mesh import DeviceMesh
 from .mesh.hits import Hits
 from .mesh.mesh import Achieved, Mesh, Patches
 from .mesh.queries import MeshQueries
@@ -71,8 +72,10 @@ __all__ = [
     "CoplanarityLod",
     "CrackReport",
     "Device",
+    "DeviceArray",
     "DeviceError",
     "DeviceMemoryError",
+    "DeviceMesh",
     "DistanceLod",
     "FileError",
     "GraphicsError",

@@ -38,7 +38,7 @@ ROOMS = {
     "curved": "errors arguments numbered device camera tessellation mesh files",
     "reference": "device ground camera tessellation mesh terrain",
     "measure": "errors arguments device ground camera mesh reference",
-    "drawing": """errors arguments paths device ground camera tessellation mesh terrain
+    "drawing": """errors arguments paths device ground camera tessellation mesh terrain measure
                   streaming""",
     "accessor": "ground mesh measure",
     "xarray": "errors ground camera mesh files terrain",
@@ -71,7 +71,11 @@ WRITERS = {
 # only there, so that everything else runs without them
 GUARDED = {
     "pyopencl": {"device"},
-    "rasterio": {"files.rasters.readers_gdal"},
+    "rasterio": {
+        "files.rasters.readers_gdal",
+        "files.rasters.reprojection",
+        "files.rasters.ortho",
+    },
     "xarray": {"xarray", "files.rasters.labelled"},
     "pyproj": {"ground.place", "tilesets.geoid"},
 }

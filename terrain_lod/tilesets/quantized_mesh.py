@@ -106,11 +106,14 @@ def _by_first_use(
     triangles: npt.NDArray[np.int32],
 ) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
     """Return vertices in the order of their first use, and triangles by that order."""
-    used, first, inverse = np.unique(triangles, return_index=True, return_inverse=True)
-    rank = np.argsort(first)
-    number = np.empty(len(used), np.int64)
-    number[rank] = np.arange(len(used))
-    return used[rank].astype(np.int64), number[inverse].reshape(-1, 3)
+    corners = triangles.ravel()
+    first = np.full(int(corners.max()) + 1, len(corners))
+    # what is written last stays: from the end, that is the first use
+    first[corners[::-1]] = np.arange(len(corners))[::-1]
+    order = corners[first[corners] == np.arange(len(corners))].astype(np.int64)
+    number = np.empty(len(first), np.int64)
+    number[order] = np.arange(len(order))
+    return order, number[triangles]
 
 
 def _steps(

@@ -38,7 +38,7 @@ class Outline:
         self.places: dict[int, tuple[int, int]] = dict(
             zip(used.tolist(), map(tuple, places[used].tolist()), strict=True)
         )
-        self._all = places
+        self._all = places.copy()
         self._new: list[tuple[int, int]] = []
         self._far = triangles[~near]
         self._near: dict[int, tuple[int, int, int]] = {}
@@ -65,6 +65,7 @@ class Outline:
             for vertex in self._border
             if self.places[vertex][1 - axis] == line
         }
+        self._move(axis, line, there, wanted)
         new = sorted(set(wanted) - there.keys())
         for (low, a), (high, b) in pairwise(sorted(there.items())):
             inside = new[bisect_right(new, low) : bisect_left(new, high)]
@@ -78,6 +79,39 @@ class Outline:
                 previous = there[place]
             else:
                 self._remove(there[place], previous, there[following])
+
+    def _move(self, axis: int, line: int, there: dict[int, int], wanted: Sequence[int]) -> None:
+        """Move vertices that are not wanted to wanted places nearby, where triangles allow it.
+
+        What is moved need not be taken out and put in, which costs far more.
+        """
+        new = sorted(set(wanted) - there.keys())
+        kept = set(wanted)
+        before = 0
+        for place, following in pairwise(sorted(there)[1:]):
+            choices = new[bisect_right(new, before) : bisect_left(new, following)]
+            if place in kept or not choices:
+                before = place
+                continue
+            nearest = min(choices, key=lambda choice: abs(choice - place))
+            if self._moved(there[place], (nearest, line) if axis == 0 else (line, nearest)):
+                there[nearest] = there.pop(place)
+                new.remove(nearest)
+                place = nearest
+            before = place
+
+    def _moved(self, vertex: int, place: tuple[int, int]) -> bool:
+        """Move a vertex unless that would turn, or nearly flatten, one of its triangles."""
+        around = [self._near[number] for number in self._around[vertex]]
+        areas = [self._area(*corners) for corners in around]
+        was, self.places[vertex] = self.places[vertex], place
+        if any(
+            4 * self._area(*corners) < area for corners, area in zip(around, areas, strict=True)
+        ):
+            self.places[vertex] = was
+            return False
+        self._all[vertex] = place
+        return True
 
     def result(self) -> tuple[Places, Triangles]:
         """Return the places of all vertices, some of which nobody uses, and all triangles."""

@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,9 +19,11 @@ from terrain_lod import (
     CoplanarityLod,
     Heightmap,
     InputError,
+    ScreenErrorLod,
     Terrain,
     UniformLod,
     default_camera,
+    screen_error,
 )
 from terrain_lod.camera.path import flyover, load_path, orbit
 from terrain_lod.cli.app import REFUSED, run
@@ -139,6 +142,25 @@ def test_pictures_go_on_where_they_stopped(terrain, tmp_path):
         render_path(terrain, cameras, tmp_path, lods=(UniformLod(3),))
     with pytest.raises(InputError, match="with other cameras"):
         render_path(terrain, cameras[:3], tmp_path, lods=lods)
+
+
+@needs_graphics
+def test_a_flight_is_replayed_from_its_frames(terrain, tmp_path):
+    ground = terrain.ground
+    cameras = orbit(ground, 3, camera=default_camera(ground, size=(96, 48)))
+    lods = (UniformLod(3), ScreenErrorLod(2.0))
+    render_path(terrain, cameras, tmp_path, lods=lods)
+    again = load_path(tmp_path / "frames.json", 3)
+    for one, other in zip(cameras, again, strict=True):
+        assert one.eye == pytest.approx(other.eye)
+        assert (one.fov, one.size, one.far) == (other.fov, other.size, other.far)
+    drawn = json.loads((tmp_path / "frames.json").read_text())["drawn"]
+    assert list(drawn) == ["0000.png", "0001.png", "0002.png"]
+    half = replace(cameras[1], size=(47, 48))
+    for entry, lod in zip(drawn["0001.png"], lods, strict=True):
+        mesh = terrain.mesh(half, lod=lod)
+        assert entry["triangles"] == len(mesh.triangles)
+        assert entry["pixels"] == screen_error(mesh, ground, half).maximum
 
 
 @needs_graphics
