@@ -11,8 +11,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from terrain_lod.drawing.colours import segment_colours
 from terrain_lod.drawing.pattern_pictures import save_animation, save_pattern
+from terrain_lod.drawing.scales import segments
 from terrain_lod.files.rasters.samples import sample
 from terrain_lod.terrain.lod_promises import MaxErrorLod
 from terrain_lod.terrain.terrain import Terrain
@@ -77,7 +77,7 @@ def draw_patches(path: Path) -> None:
     x, y = (mesh.vertices[:, axis] / ground.spacing[axis] for axis in (0, 1))
     patches = mesh.patches
     assert patches is not None
-    colours = segment_colours(patches.segment_cells)
+    colours = segments(patches).colours(patches.segment_cells)
     with mpl.rc_context(_STYLE):
         figure = Figure(figsize=(9, 4.6), layout="constrained")
         for axes, (left, top, size) in zip(figure.subplots(1, 2), _PLACES, strict=True):

@@ -77,7 +77,7 @@ GUARDED = {
         "files.rasters.ortho",
     },
     "xarray": {"xarray", "files.rasters.labelled"},
-    "pyproj": {"tilesets.place", "tilesets.geoid"},
+    "pyproj": {"ground.place", "tilesets.geoid"},
 }
 # nobody waits for these on import
 HEAVY = (

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -99,6 +99,16 @@ class Camera:
     def focal(self) -> float:
         """Pixels that size 1 covers mid-picture: at depth 1, or at any where parallel."""
         return self.size[1] / (2 * self.half_extents[1])
+
+    def lifted(self, exaggeration: float) -> Camera:
+        """Return the camera with eye and target at so many times their heights.
+
+        What it sees of ground that is exaggerated as much, this one sees of the ground as it is.
+        """
+        if exaggeration == 1:
+            return self
+        eye, target = ((x, y, z * exaggeration) for x, y, z in (self.eye, self.target))
+        return replace(self, eye=eye, target=target)
 
     def planes(self, origin: npt.ArrayLike = (0.0, 0.0, 0.0)) -> Vectors:
         """Return the frustum: left, right, bottom, top, near, far.

@@ -13,7 +13,7 @@ from ..arguments import whole
 from ..ground.heightmap import Heightmap
 from .camera import FOV, SIZE, Camera
 from .camera_file import load_cameras
-from .viewpoint import default_camera
+from .viewpoint import orbit_camera
 
 _MOST: Final = 100_000  # pictures of a path
 _KEYS: Final = 9  # places that a flight across passes
@@ -29,10 +29,10 @@ def orbit(ground: Heightmap, frames: int, *, camera: Camera | None = None) -> tu
     ground : Heightmap
     frames : int
     camera : Camera, optional
-        The first; defaults to a good view over the ground from the south.
+        The first; defaults to one from the south that has all of the ground in every picture.
     """
     count = whole("frames", frames, 1, _MOST)
-    camera = camera or default_camera(ground)
+    camera = camera or orbit_camera(ground)
     away = np.subtract(camera.eye, camera.target)
     cameras = []
     for turn in 2 * np.pi * np.arange(count) / count:

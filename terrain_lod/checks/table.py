@@ -38,6 +38,7 @@ CHECKS: Final[dict[str, Check]] = {
     "terrain/domain": terrain.DOMAIN,
     "terrain/holes": terrain.HOLES,
     "terrain/queries": terrain.QUERIES,
+    "terrain/sky": terrain.SKY,
     "terrain/ladder": promise.LADDER,
     "terrain/selection": promise.SELECTION,
     "terrain/tile_error": promise.TILE_ERROR,

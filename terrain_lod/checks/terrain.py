@@ -12,7 +12,7 @@ from ..device.layout import FIXED_ONE
 from ..errors import InputError
 from ..ground.heightmap import Heightmap
 from ..mesh.hits import checked_rays
-from ..reference.terrain import analysis, domain, holes, hull, queries
+from ..reference.terrain import analysis, domain, holes, hull, queries, sky
 from ..reference.terrain.lod import Formula
 from ..terrain.analysis import PLANES, analyse_on_device
 from ..terrain.control_points import patches_on_device
@@ -29,6 +29,7 @@ from ..terrain.lod_formulas import (
 )
 from ..terrain.lod_promises import MaxErrorLod
 from ..terrain.queries import heights_on_device, rays_on_device
+from ..terrain.sky import sky_seen
 from ..terrain.terrain import Terrain
 from ..tessellation.tessellator import tessellate_device
 from .check import Array, Bound, Check, Difference, ulp
@@ -111,6 +112,21 @@ def _control_points(case: Ground, device: Device) -> Iterator[Difference]:
 
 
 CONTROL_POINTS: Final = Check(_control_points, plain_grounds, hard_grounds)
+
+_SKY: Final = Bound(
+    "sky",
+    "of all of it",
+    "2e-6",
+    "a slope has three roundings and its square counts twice, 1 / (1 + t t) never grows them: 8 "
+    "of 6e-8, and as many for a mean of 12",
+)
+
+
+def _sky(case: Ground, device: Device) -> Iterator[Difference]:
+    yield _SKY.met_by(sky_seen(case.sum, device), sky.sky_seen(case.sum), 2e-6)
+
+
+SKY: Final = Check(_sky, plain_grounds, hard_grounds)
 
 _FACTORS: Final = Bound(
     "factors",

@@ -17,7 +17,8 @@ from typing import Annotated, Any, Final, Literal
 from cyclopts import App, CycloptsError, Parameter
 from cyclopts.config import Env
 
-from ..arguments import one_of
+from ..arguments import one_of, positive
+from ..camera.viewpoint import default_camera, orbit_camera
 from ..errors import InputError, TerrainError
 from ..ground.heightmap import Heightmap
 from ..interrupts import INTERRUPTED, end, raise_interrupts
@@ -106,8 +107,11 @@ def render(
     /,
     *,
     output: Output,
-    style: Literal["shaded", "wireframe", "lod"] = "shaded",
+    style: Literal["shaded", "wireframe", "lod", "size", "factor"] = "shaded",
     sun: Sun = None,
+    exaggeration: float = 1.0,
+    sky_light: Annotated[bool, Parameter(negative="--no-sky-light", show_default=False)] = True,
+    notes: Annotated[bool, Parameter(negative="--no-notes", show_default=False)] = True,
     memory: Memory = None,
     reading: GroundOptions = GroundOptions(),  # noqa: B008
     overlay: OverlayOptions = OverlayOptions(),  # noqa: B008
@@ -124,41 +128,64 @@ def render(
     output
         PNG to write; a folder with --path, --orbit or --flyover.
     style
-        shaded: sunlit and tinted by height. wireframe: the triangles. lod: red where a segment
-        is a cell of the raster, through green and blue to black where it is 64 or more.
+        shaded: sunlit and tinted by height. wireframe: the triangles. lod: how many cells of the
+        raster a triangle's side spans, and the outlines of patches. size: how many cells a patch
+        is wide. factor: into how many parts it is cut.
     sun
         Where the light comes from: degrees clockwise from north, degrees above the horizon.
+    exaggeration
+        How many times as high heights are drawn; errors in metres are true ones.
+    sky_light
+        Let ground that sees less of the sky have less of its light, or do not.
+    notes
+        Say along the foot of the picture what it shows, or do not: colours, scale, north, camera,
+        triangles and error.
     memory
         Of a pyramid that build wrote: how much of it to hold, such as 512MB.
     """
+    from ..drawing.exaggeration import ExaggeratedTerrain
     from ..drawing.graphics import require_graphics
-    from ..drawing.picture import draw, require_png, save_png
+    from ..drawing.picture import SUN, require_png, save_png
+    from ..drawing.portrait import Portrait
 
     if not many.many:
         require_png(output)
+    tall = positive("exaggeration", exaggeration)
     chosen = lod.make(terrain.tile, *filter(None, [many.beside]))
     beside = many.second(lod, terrain.tile)
     require_graphics()
     if is_store(ground):
+        if tall != 1:
+            raise InputError(f"expected a raster with --exaggeration, got the pyramid {ground}")
         opened = open_store(ground, memory, terrain.open())
         camera = view.over(opened.overview)
         made = opened.mesh(camera, lod=chosen)
-        light: dict[str, Any] = {} if sun is None else {"sun": sun}
-        seen = draw(made, camera, style=style, height_range=opened.height_range, **light)
-        save_png(seen, output)
+        look = Portrait(opened.overview, style, sun or SUN, height_range=opened.height_range)
+        save_png(look.of(made, camera, notes=notes), output)
         say(f"{output}: {_counts(made, opened.overview)}")
         return None
     heights, added = reading.load(ground), overlay.load()
-    camera = view.over(heights)
+    first = orbit_camera if many.orbit else default_camera
+    camera = view.over(heights, exaggeration=tall, view=first)
     log("%r", heights)
-    options: dict[str, Any] = {"style": style} if sun is None else {"style": style, "sun": sun}
+    made = terrain.make(heights, chosen, added)
     if many.many:
-        made = terrain.make(heights, chosen, added)
-        return many.render(made, camera, output, [chosen, *beside], meshing, **options)
-    options |= {"drape": many.drape(heights), "wireframe": many.wireframe}
-    mesh = terrain.make(heights, chosen, added).mesh(camera, lod=chosen, **vars(meshing))
+        shown: dict[str, Any] = {"style": style, "sun": sun or SUN}
+        shown |= {"exaggeration": tall, "sky_light": sky_light}
+        return many.render(made, camera, output, [chosen, *beside], meshing, **shown)
+    drawn = ExaggeratedTerrain(made, tall)
+    mesh = drawn.mesh(camera, lod=chosen, **vars(meshing))
     log("%r from %r", mesh, chosen)
-    save_png(draw(mesh, camera, height_range=heights.height_range, **options), output)
+    look = Portrait(
+        heights,
+        style,
+        sun or SUN,
+        exaggeration=tall,
+        drape=many.drape(heights),
+        wireframe=many.wireframe,
+        sky_light=drawn.sky_light() if sky_light else None,
+    )
+    save_png(look.of(mesh, camera, notes=notes), output)
     say(f"{output}: {_counts(mesh, heights)}")
     return None
 

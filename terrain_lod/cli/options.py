@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
@@ -161,9 +161,16 @@ class CameraOptions:
     height: float | None = None
     """World height of the picture of a parallel camera, which has no field of view."""
 
-    def over(self, ground: Heightmap) -> Camera:
+    def over(
+        self,
+        ground: Heightmap,
+        *,
+        exaggeration: float = 1.0,
+        view: Callable[..., Camera] = default_camera,
+    ) -> Camera:
         """Return the camera; what is not given comes from a good view over `ground`."""
-        return self.instead_of(default_camera(ground))
+        lens = {name: value for name in ("fov", "size") if (value := getattr(self, name))}
+        return self.instead_of(view(ground, exaggeration=exaggeration, **lens))
 
     def instead_of(self, camera: Camera) -> Camera:
         """Return the camera; what is not given comes from `camera`."""

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ..viewer.scene import Scene
     from ..viewer.settings import Settings
 
-Mode = Literal["shaded", "wireframe", "lod", "deviation", "error", "normals"]
+Mode = Literal["shaded", "wireframe", "lod", "deviation", "error", "normals", "size", "factor"]
 
 
 def view(
@@ -37,6 +37,7 @@ def view(
     partitioning: AnyPartitioning | None = None,
     y_up: bool = False,
     sun: Sun = None,
+    exaggeration: float | None = None,
     tile: int | None = None,
     levels: int | None = None,
     device: str | None = None,
@@ -47,10 +48,8 @@ def view(
 ) -> None:
     """Look at ground or a curved mesh: fly over it, and see what its level of detail does.
 
-    Drag turns, the wheel goes nearer, w a s d fly, a click tells what is known of a place. Keys:
-    1-6 what is shown; m l p e t f the next mode, LOD, partitioning, edge rule, tessellation,
-    freeze; of meshes x n b sharp edges, normals, back faces; g fly or orbit, r reset, u reload,
-    c picture, v record, h hide, q quit.
+    Drag turns, the wheel goes nearer, w a s d fly, a click tells what is known of a place; ? or F1
+    lists all keys.
 
     Parameters
     ----------
@@ -85,6 +84,8 @@ def view(
         The mesh's own y axis points up. glTF files say so themselves.
     sun
         Where the light comes from: degrees clockwise from north, degrees above the horizon.
+    exaggeration
+        How many times as high heights are drawn; errors in metres are true ones. Of ground alone.
     tile
         Cells along a tile, 1 to 63. Of ground alone. Default: 4, or 8 on large ground.
     levels
@@ -107,7 +108,10 @@ def view(
     if sun is not None:
         chosen |= {"azimuth": sun[0] % 360, "elevation": sun[1]}
     path = Path(subject) if Path(subject).exists() else None
-    model = Model(lambda: _scene(subject, reading, tile, levels, device, y_up, memory), path=path)
+    model = Model(
+        lambda: _scene(subject, reading, tile, levels, exaggeration, device, y_up, memory),
+        path=path,
+    )
     settings = model.scene.settings
     for name, value in chosen.items():
         if value is not None:
@@ -117,7 +121,9 @@ def view(
                     f"expected {name} in its range, got {value:g}: nearest is {held:g}"
                 )
     model.scene.settings = settings
-    eye = camera.instead_of(model.scene.camera())
+    # the viewer's world is what it draws, a user's the true one
+    tall = exaggeration or 1.0
+    eye = camera.instead_of(model.scene.camera().lifted(1 / tall)).lifted(tall)
     if web:
         from ..viewer.web import require_page, serve
 
@@ -152,6 +158,7 @@ def _scene(
     reading: GroundOptions,
     tile: int | None,
     levels: int | None,
+    exaggeration: float | None,
     device: str | None,
     y_up: bool,
     memory: str | None,
@@ -173,12 +180,18 @@ def _scene(
     if memory is not None and not held:
         raise InputError(f"expected a pyramid with --memory, got {name}")
     if raster:
-        scene = TerrainScene(reading.load(name), levels=levels, device=Device.open(device))
+        scene = TerrainScene(
+            reading.load(name),
+            levels=levels,
+            exaggeration=1.0 if exaggeration is None else exaggeration,
+            device=Device.open(device),
+        )
         if tile is not None:
             scene.settings = scene.settings.with_tile(tile)
         log("%r", scene.ground)
         return scene
-    for option, value in {**vars(reading), "tile": tile, "levels": levels}.items():
+    of_ground = {"tile": tile, "levels": levels, "exaggeration": exaggeration}
+    for option, value in {**vars(reading), **of_ground}.items():
         if value is not None:
             raise InputError(f"expected a raster with --{option.replace('_', '-')}, got {name}")
     if held:

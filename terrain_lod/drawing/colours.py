@@ -19,27 +19,57 @@ Colours = npt.NDArray[np.float32]
 Stops = tuple[tuple[float, float, float, float], ...]
 """Rows of position, red, green, blue; positions rise."""
 
-# Detail of a patch, 0 the lowest of its LOD and 1 the highest: the code of figures 9.11 and 9.22,
-# black, blue, green, red, with the yellow and orange between its last two.
-# cells of a segment that are shown as black
-LONGEST: Final = 64.0
+# Numbers from the lowest to the highest, in steps that the eye sees as equal, by lightness alone
+# too: viridis and inferno of matplotlib (Smith, van der Walt and Firing, 2015; CC0).
 LOD_STOPS: Final[Stops] = (
-    (0.00, 0.00, 0.00, 0.00),
-    (0.25, 0.08, 0.22, 0.90),
-    (0.50, 0.10, 0.75, 0.20),
-    (0.75, 0.98, 0.85, 0.10),
-    (1.00, 0.90, 0.08, 0.08),
+    (0.000, 0.267, 0.005, 0.329),
+    (0.125, 0.279, 0.175, 0.483),
+    (0.250, 0.230, 0.322, 0.546),
+    (0.375, 0.173, 0.449, 0.558),
+    (0.500, 0.128, 0.567, 0.551),
+    (0.625, 0.158, 0.684, 0.502),
+    (0.750, 0.369, 0.789, 0.383),
+    (0.875, 0.678, 0.864, 0.190),
+    (1.000, 0.993, 0.906, 0.144),
+)
+HEAT_STOPS: Final[Stops] = (
+    (0.000, 0.001, 0.000, 0.014),
+    (0.125, 0.129, 0.047, 0.291),
+    (0.250, 0.342, 0.062, 0.429),
+    (0.375, 0.541, 0.135, 0.415),
+    (0.500, 0.736, 0.216, 0.330),
+    (0.625, 0.894, 0.353, 0.194),
+    (0.750, 0.978, 0.558, 0.035),
+    (0.875, 0.975, 0.798, 0.206),
+    (1.000, 0.988, 0.998, 0.645),
+)
+# Far below, on, far above: blue and red, which few take for each other, in equal steps of OKLab
+# lightness (Ottosson, 2020) from either end to the middle.
+ERROR_STOPS: Final[Stops] = (
+    (0.000, 0.091, 0.287, 0.590),
+    (0.125, 0.186, 0.436, 0.835),
+    (0.250, 0.417, 0.615, 0.930),
+    (0.375, 0.700, 0.790, 0.925),
+    (0.500, 0.960, 0.960, 0.950),
+    (0.625, 0.928, 0.730, 0.683),
+    (0.750, 0.903, 0.472, 0.391),
+    (0.875, 0.782, 0.230, 0.145),
+    (1.000, 0.549, 0.119, 0.048),
 )
 
-# Lowland to summit, 0 the lowest land of the picture and 1 the highest.
+# Land by height, from lowland to snow.
 LAND_STOPS: Final[Stops] = (
     (0.00, 0.42, 0.52, 0.38),
     (0.20, 0.56, 0.62, 0.42),
     (0.42, 0.74, 0.69, 0.50),
     (0.65, 0.67, 0.56, 0.44),
     (0.85, 0.75, 0.70, 0.65),
-    (1.00, 0.90, 0.88, 0.86),
+    (1.00, 0.93, 0.92, 0.92),
 )
+# where each of them is on the Earth: metres above the sea
+_LAND_METRES: Final = (0.0, 250.0, 900.0, 2000.0, 3200.0, 4800.0)
+# of the range of tints, what land of any relief is given, and the most where the sea is unknown
+_LEAST_SPAN, _SNOWLESS = 0.4, 0.85
 # Shore to the deepest water.
 WATER_STOPS: Final[Stops] = ((0.00, 0.47, 0.64, 0.74), (1.00, 0.20, 0.34, 0.52))
 _ROCK: Final = (0.50, 0.46, 0.42)
@@ -47,6 +77,9 @@ _ROCK: Final = (0.50, 0.46, 0.42)
 # of the light on ground that faces the sun: the sun's share, and the sky's from straight above
 _SUN: Final = (1.00, 0.95, 0.86)
 _SKY: Final = (0.30, 0.36, 0.44)
+
+# of an open sky where it is known what hides it, in skies; and how fast light falls as it is hidden
+_OPEN_SKY, _DEPTH = 1.25, 2.0
 
 _GAMMA: Final = 2.2
 _STEPS: Final = 1024  # of a ramp that is looked up
@@ -70,29 +103,54 @@ def _table(stops: Stops) -> Colours:
     return ramp(stops, np.linspace(0, 1, _STEPS + 1, dtype=np.float32))
 
 
-def lod_colours(factors: npt.ArrayLike, factor_range: tuple[float, float]) -> Colours:
-    """Return the colour of tessellation factors (P,): black lowest, then blue, green, red.
+def land_stops(low: float, high: float, metres: float | None) -> Stops:
+    """Return the tints of land between two elevations, positions from one to the other.
 
     Parameters
     ----------
-    factors : (P,) array_like
-    factor_range : (float, float)
-        The lowest and the highest factor that the LOD gives.
+    low, high : float
+    metres : float or None
+        The unit of elevations above the sea: tints are then those of maps, whatever the range, so
+        that only what is as high as snow is white. None where nobody knows where the sea is.
     """
-    low, high = factor_range
-    return ramp(LOD_STOPS, (np.asarray(factors, np.float32) - low) / (high - low))
+    first, last = 0.0, _SNOWLESS
+    at = np.linspace(0.0, 1.0, 33)
+    shares = first + at * (last - first)
+    if metres is not None:
+        stops = [stop[0] for stop in LAND_STOPS]
+        heights = metres * (low + at * (high - low))
+        shares = np.interp(heights, _LAND_METRES, stops)
+        # low relief is told apart, too: around its own tint, and never into snow
+        lack = _LEAST_SPAN - float(shares[-1] - shares[0])
+        if lack > 0:
+            top = max(float(shares[-1]), min(float(shares[-1]) + lack / 2, _SNOWLESS))
+            bottom = max(0.0, top - _LEAST_SPAN)
+            shares = bottom + at * (min(1.0, bottom + _LEAST_SPAN) - bottom)
+    colours = ramp(LAND_STOPS, shares.astype(np.float32)).tolist()
+    return tuple((float(x), r, g, b) for x, (r, g, b) in zip(at, colours, strict=True))
 
 
-def segment_colours(cells: npt.ArrayLike) -> Colours:
-    """Return the colour of segments that span so many cells (P,): red one, black the longest."""
-    octaves = np.log2(np.maximum(np.asarray(cells, np.float32), 1e-3))
-    return ramp(LOD_STOPS, 1.0 - octaves / np.log2(LONGEST))
+def height_stops(height_range: tuple[float, float], metres: float | None) -> Stops:
+    """Return the tints that :func:`hypsometric` gives level ground, as a colour bar shows them."""
+    low, high = height_range
+    if not low <= 0 < high:
+        return land_stops(low, high, metres)
+    shore = -low / (high - low)
+    water = tuple(
+        (shore * (1 - deep), red, green, blue) for deep, red, green, blue in reversed(WATER_STOPS)
+    )
+    land = tuple(
+        (shore + at * (1 - shore), red, green, blue)
+        for at, red, green, blue in land_stops(0.0, high, metres)
+    )
+    return (*water, *land) if low < 0 else land
 
 
 def hypsometric(
     elevations: npt.NDArray[np.float32],
     normals: npt.NDArray[np.float32],
     height_range: tuple[float, float],
+    metres: float | None = None,
 ) -> Colours:
     """Return the tint of ground: by height, bare rock where it is steep, blue where it is sea.
 
@@ -104,10 +162,13 @@ def hypsometric(
         Unit normals, z up.
     height_range : (float, float)
         Elevations of the lowest and the highest tint.
+    metres : float, optional
+        As for :func:`land_stops`.
     """
     low, high = height_range
     shore = 0.0 if low <= 0 < high else low
-    land = _quick_ramp(LAND_STOPS, (elevations - shore) / max(high - shore, 1e-30))
+    stops = land_stops(shore, high, metres)
+    land = _quick_ramp(stops, (elevations - shore) / max(high - shore, 1e-30))
     # rock shows from 27 degrees on, and alone from 53
     land = mixed(land, np.clip((0.9 - normals[:, 2]) / 0.3, 0.0, 1.0), _ROCK)
     if not low <= 0 < high:
@@ -150,11 +211,20 @@ def facing(
 
 
 def lit(
-    colours: Colours, normals: npt.NDArray[np.float32], sun: npt.NDArray[np.float32]
+    colours: Colours,
+    normals: npt.NDArray[np.float32],
+    sun: npt.NDArray[np.float32],
+    sky: npt.NDArray[np.float32] | None = None,
 ) -> Colours:
-    """Return `colours` (N, 3) under sun and sky: Lambert's cosine, and more sky from above."""
+    """Return `colours` (N, 3) under sun and sky: Lambert's cosine, and more sky from above.
+
+    With the share of its light that a sky gives each (N,), there is more of it where it is whole,
+    and little where it is not: what is lit from valley to valley is lit twice.
+    """
     facing_sun = facing(normals, sun)
     facing_sky = 0.5 + 0.5 * normals[:, 2]
+    if sky is not None:
+        facing_sky *= np.float32(_OPEN_SKY) * sky**_DEPTH
     seen = np.empty(colours.shape, np.float32)
     # a channel at a time: rows of three are slow
     for channel, (of_sun, of_sky) in enumerate(zip(_SUN, _SKY, strict=True)):

@@ -20,6 +20,7 @@ from PIL import Image, ImageDraw, ImageFont
 from ..camera.camera import Camera
 from ..camera.camera_file import camera_fields
 from ..errors import FileError, InputError
+from ..ground.exaggeration import exaggerated
 from ..ground.heightmap import Heightmap
 from ..measure.screen_error import screen_error
 from ..mesh.mesh import Mesh
@@ -27,8 +28,10 @@ from ..paths import replacing, require_made
 from ..terrain.lod import AnyLod, checked_lod, unweighted
 from ..terrain.terrain import Terrain
 from .drape import Drape
+from .exaggeration import ExaggeratedTerrain, stretched
 from .graphics import require_graphics
 from .picture import SUN, Picture, draw, save_png
+from .scales import metres_above_sea
 
 _NOTES: Final = "frames.json"  # cameras, as a path is read from, and what the pictures show
 
@@ -48,6 +51,8 @@ class Look:
     drape: Drape | None = None
     wireframe: bool = False
     counts: bool = True
+    exaggeration: float = 1.0
+    sky_light: bool = True
 
 
 def render_path(
@@ -107,9 +112,10 @@ def render_path(
     drawn = _require_same(folder, notes)
     digits = max(4, len(str(len(cameras) - 1)))
     paths = tuple(folder / f"{number:0{digits}d}.png" for number in range(len(cameras)))
+    tall = ExaggeratedTerrain(terrain, look.exaggeration)
     for number, (camera, path) in enumerate(zip(cameras, paths, strict=True)):
         if not path.exists():
-            picture, shown = _picture(terrain, camera, lods, look, meshing)
+            picture, shown = _picture(terrain, tall, camera, lods, look, meshing)
             save_png(picture, path)
             drawn[path.name] = shown
             _write_notes(folder, notes, drawn)
@@ -120,6 +126,7 @@ def render_path(
 
 def _picture(
     terrain: Terrain,
+    tall: ExaggeratedTerrain,
     camera: Camera,
     lods: Sequence[AnyLod],
     look: Look,
@@ -132,17 +139,20 @@ def _picture(
     drawn = []
     for number, lod in enumerate(lods):
         seen = replace(camera, size=(max(1, part), height))
-        mesh = terrain.mesh(seen, lod=lod, **meshing)
+        mesh = tall.mesh(seen, lod=lod, **meshing)
         shown = draw(
             mesh,
             seen,
             style=look.style,
             sun=look.sun,
             height_range=terrain.ground.height_range,
+            metres=metres_above_sea(terrain.ground),
+            exaggeration=look.exaggeration,
+            sky_light=tall.sky_light() if look.sky_light else None,
             drape=look.drape,
             wireframe=look.wireframe,
         )
-        entry = _entry(terrain, mesh, lod, seen)
+        entry = _entry(terrain, mesh, lod, seen, look.exaggeration)
         drawn.append(entry)
         if look.counts:
             shown = _labelled(shown, f"{entry['lod']}: {_counted(entry)}")
@@ -151,9 +161,14 @@ def _picture(
     return picture, drawn
 
 
-def _entry(terrain: Terrain, mesh: Mesh, lod: AnyLod, camera: Camera) -> Shown:
+def _entry(terrain: Terrain, mesh: Mesh, lod: AnyLod, camera: Camera, exaggeration: float) -> Shown:
     """Return what a picture shows of a level of detail; its error is measured, whatever it is."""
-    error = screen_error(mesh, terrain.ground, camera, device=terrain.device)
+    error = screen_error(
+        stretched(mesh, exaggeration),
+        exaggerated(terrain.ground, exaggeration),
+        camera.lifted(exaggeration),
+        device=terrain.device,
+    )
     return {
         "lod": type(unweighted(lod)).__name__.removesuffix("Lod"),
         "triangles": len(mesh.triangles),
@@ -199,6 +214,7 @@ def _description(
         "lods": [repr(lod) for lod in lods],
         **meshing,
         "look": [look.style, list(look.sun), look.wireframe, look.counts, drape],
+        "light": [look.exaggeration, look.sky_light],
     }
 
 

@@ -1,4 +1,4 @@
-"""A mesh drawn off screen: shaded, plain, as wireframe, or coloured by level of detail.
+"""A mesh drawn off screen: shaded, plain, as wireframe, or its patches coloured by a number.
 
 Colours are worked out here, one a vertex or one a triangle, and drawn without lights: VTK only
 projects and hides. So a picture is the same on every driver.
@@ -6,6 +6,7 @@ projects and hides. So a picture is the same on every driver.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -13,24 +14,19 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image
 
-from ..arguments import file_path, flag, numbers, one_of
+from ..arguments import file_path, flag, numbers, one_of, positive
 from ..camera.camera import Camera
 from ..errors import InputError
 from ..mesh.mesh import Mesh
 from ..paths import replacing, require_folder
-from .colours import (
-    Colours,
-    facing,
-    hypsometric,
-    lit,
-    lod_colours,
-    mixed,
-    segment_colours,
-    sun_direction,
-    to_bytes,
-)
+from . import scales
+from .colours import Colours, facing, hypsometric, lit, mixed, sun_direction, to_bytes
 from .drape import Drape
+from .exaggeration import stretched
 from .graphics import require_graphics
+from .outlines import patch_outlines
+from .scales import Scale
+from .sky_light import SkyLight
 
 if TYPE_CHECKING:
     import pyvista
@@ -43,7 +39,8 @@ SUN: Final = (315.0, 40.0)
 SUN_ON_MESHES: Final = (200.0, 40.0)
 """The same for what is no ground, which is looked at from the south: over the shoulder."""
 
-STYLES: Final = ("shaded", "plain", "wireframe", "lod")
+OF_PATCHES: Final = ("lod", "size", "factor")
+STYLES: Final = ("shaded", "plain", "wireframe", *OF_PATCHES)
 
 # drawn this many times larger along both axes, then averaged: smooth edges and lines
 _OVERSAMPLING: Final = 2
@@ -55,7 +52,10 @@ _PAPER: Final = (0.97, 0.97, 0.95)
 _CLAY: Final = (0.86, 0.80, 0.72)
 INK: Final = (0.10, 0.14, 0.20)
 _LINE_WIDTH: Final = 1.0  # of the enlarged picture's pixels
-_NIGHT: Final = (0.16, 0.17, 0.19)  # behind LOD colours, so that black patches stand out
+_OUTLINE: Final = (0.98, 0.98, 0.96)  # between patches
+_OUTLINE_OPACITY: Final = 0.45
+_AIR: Final = 0.3  # of haze, over the ground's own length
+SHADE: Final = 0.62  # light of a slope that faces away, where colours stand for numbers
 
 
 def draw(
@@ -65,28 +65,36 @@ def draw(
     style: str = "shaded",
     sun: tuple[float, float] = SUN,
     height_range: tuple[float, float] | None = None,
+    metres: float | None = None,
     factor_range: tuple[float, float] | None = None,
     drape: Drape | None = None,
     wireframe: bool = False,
+    exaggeration: float = 1.0,
+    sky_light: SkyLight | None = None,
 ) -> Picture:
     """Draw `mesh` as `camera` sees it, perhaps with a picture in place of the tints.
 
-    All else is as for :func:`render`, what it raises as well.
+    Mesh and camera are in the true world; both are drawn with their heights exaggerated. `metres`
+    is the unit of heights above the sea, None where nobody knows where that is; `sky_light` is of
+    the ground as it is drawn. All else is as for :func:`render`, what it raises as well.
     """
     if max(camera.size) > _LARGEST_WINDOW:
         raise InputError(f"expected a size of at most {_LARGEST_WINDOW} pixels, got {camera.size}")
     direction = sun_direction(*numbers("sun", sun, "azimuth", "elevation"))
+    factor = positive("exaggeration", exaggeration)
+    mesh, camera = stretched(mesh, factor), camera.lifted(factor)
     if one_of("style", style, STYLES) != "shaded" and drape is not None:
         raise InputError(f"expected style 'shaded' with a texture, got {style!r}")
+    sky = None if sky_light is None else sky_light.on(mesh)
     if drape is not None:
-        colours = lit(np.ones_like(mesh.vertices), mesh.normals, direction)
+        colours = lit(np.ones_like(mesh.vertices), mesh.normals, direction, sky)
     elif style == "shaded":
-        colours = _shaded(mesh, camera, direction, height_range)
+        colours = _shaded(mesh, camera, direction, height_range, metres, factor, sky)
     elif style == "plain":
         clay = np.broadcast_to(np.asarray(_CLAY, np.float32), mesh.vertices.shape)
         colours = lit(clay, mesh.normals, direction)
-    elif style == "lod":
-        colours = _by_factors(mesh, direction, factor_range)
+    elif style in OF_PATCHES:
+        colours = _of_patches(mesh, direction, style, factor_range)
     else:
         colours = np.broadcast_to(np.asarray(_PAPER, np.float32), mesh.vertices.shape)
     require_graphics()
@@ -134,38 +142,66 @@ def _shaded(
     camera: Camera,
     sun: npt.NDArray[np.float32],
     height_range: tuple[float, float] | None,
+    metres: float | None,
+    exaggeration: float,
+    sky: npt.NDArray[np.float32] | None,
 ) -> Colours:
     """Return the colour of each vertex: tinted by height, lit, and fading into the distance."""
-    heights = mesh.vertices[:, 2] + np.float32(mesh.origin[2])
+    heights = (mesh.vertices[:, 2] + np.float32(mesh.origin[2])) / np.float32(exaggeration)
     if height_range is None:
         height_range = (float(heights.min()), float(heights.max())) if len(heights) else (0.0, 1.0)
     low, high = numbers("height_range", height_range, "low", "high")
     if low > high:
         raise InputError(f"expected a height_range that rises, got {(low, high)}")
-    colours = lit(hypsometric(heights, mesh.normals, (low, high)), mesh.normals, sun)
-    # at the mesh's own length away, a quarter of what is seen is air
+    tinted = hypsometric(heights, mesh.normals, (low, high), metres)
+    colours = lit(tinted, mesh.normals, sun, sky)
+    # at the mesh's own length away, a quarter of what is seen is air; from farther off no more
     away = np.linalg.norm(mesh.vertices - np.subtract(camera.eye, mesh.origin), axis=1)
     length = float(np.linalg.norm(np.ptp(mesh.vertices[:, :2], axis=0))) if len(heights) else 1.0
-    return mixed(colours, (1 - np.exp(-0.3 * away / length)).astype(np.float32), HORIZON)
+    length = max(length, float(np.median(away)) if len(away) else 0.0)
+    return mixed(colours, (1 - np.exp(-_AIR * away / length)).astype(np.float32), HORIZON)
 
 
-def _by_factors(
-    mesh: Mesh, sun: npt.NDArray[np.float32], factor_range: tuple[float, float] | None
-) -> Colours:
-    """Return the colour of each triangle: its patch's detail, with enough light to see relief."""
-    if mesh.patches is None:
-        raise InputError("expected a mesh with patches for style 'lod', got one without")
-    if factor_range is None:
-        colours = segment_colours(mesh.patches.segment_cells)
-    else:
+def scale_of(
+    mesh: Mesh, style: str, factor_range: tuple[float, float] | None = None
+) -> tuple[Scale, npt.NDArray[np.floating[Any]]]:
+    """Return what the colours of a style of patches stand for, and each patch's number; (P,).
+
+    Raises
+    ------
+    InputError
+        If the mesh has no patches, or the range falls.
+    """
+    patches = mesh.patches
+    if patches is None:
+        raise InputError(f"expected a mesh with patches for style {style!r}, got one without")
+    if style == "lod":
+        return scales.segments(patches), patches.segment_cells
+    if style == "size":
+        return scales.sizes(patches), scales.patch_sizes(patches)
+    factors = patches.inside_factors.mean(axis=1)
+    scale = scales.factors(factors[patches.drawn])
+    if factor_range is not None:
         least, most = numbers("factor_range", factor_range, "least", "most")
         if least >= most:
             raise InputError(f"expected a factor_range that rises, got {(least, most)}")
-        colours = lod_colours(mesh.patches.inside_factors.mean(axis=1), (least, most))
+        scale = replace(scale, low=least, high=most)
+    return scale, factors
+
+
+def _of_patches(
+    mesh: Mesh,
+    sun: npt.NDArray[np.float32],
+    style: str,
+    factor_range: tuple[float, float] | None,
+) -> Colours:
+    """Return the colour of each triangle: its patch's, with enough light to see relief."""
+    scale, values = scale_of(mesh, style, factor_range)
+    colours = scale.colours(values)
     a, b, c = (mesh.vertices[mesh.triangles[:, corner]] for corner in range(3))
     across = np.cross(b - a, c - a)
     across /= np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-30)
-    light = 0.55 + 0.45 * facing(across, sun)
+    light = SHADE + (1 - SHADE) * facing(across, sun)
     return (colours[mesh.triangle_patches] * light[:, None]).astype(np.float32)
 
 
@@ -196,7 +232,7 @@ def _draw(
     try:
         plotter.disable_anti_aliasing()
         surface = pyvista.PolyData.from_regular_faces(mesh.vertices, mesh.triangles)
-        data = surface.cell_data if style == "lod" else surface.point_data
+        data = surface.cell_data if style in OF_PATCHES else surface.point_data
         data["colour"] = colours
         filled = _add(plotter, surface, scalars="colour", rgb=True)
         if drape is not None:
@@ -208,6 +244,14 @@ def _draw(
             filled.mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(1.0, 1.0)
             wires = surface.copy(deep=False)
             _add(plotter, wires, style="wireframe", color=INK, line_width=_LINE_WIDTH)
+        elif style == "lod":
+            filled.mapper.SetResolveCoincidentTopologyToPolygonOffset()
+            filled.mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(1.0, 1.0)
+            edges = pyvista.PolyData(mesh.vertices)
+            edges.verts = np.empty(0, int)
+            edges.lines = np.insert(patch_outlines(mesh), 0, 2, axis=1).ravel()
+            look = {"color": _OUTLINE, "opacity": _OUTLINE_OPACITY, "line_width": _LINE_WIDTH}
+            _add(plotter, edges, **look)
         if style == "wireframe":
             plotter.set_background(_PAPER)
             return _averaged(_screenshot(plotter), scale)
@@ -230,7 +274,7 @@ def _screenshot(plotter: pyvista.Plotter) -> Picture:
 def _background(camera: Camera, rows: int, style: str) -> Picture:
     """Return what is behind the ground, a colour a row: (rows, 1, 3)."""
     if style != "shaded":
-        plain = np.asarray(_NIGHT if style == "lod" else _PAPER, np.float32)
+        plain = np.asarray(_PAPER, np.float32)
         return np.broadcast_to(to_bytes(plain), (rows, 1, 3))
     # how far up the middle of each row looks; the sky is palest at the horizon, or at the middle
     # of a picture that looks down

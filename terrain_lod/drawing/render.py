@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..arguments import file_path, instance, one_of
+from ..arguments import file_path, flag, instance, one_of, positive
 from ..camera.camera import Camera
 from ..camera.viewpoint import camera_around, default_camera
 from ..device.device import Device
@@ -15,8 +15,10 @@ from ..streaming.terrain import StreamingTerrain
 from ..terrain.lod import Lod, PromiseLod, Weighted
 from ..terrain.terrain import Terrain
 from .drape import Drape
+from .exaggeration import ExaggeratedTerrain, stretched
 from .graphics import require_graphics
 from .picture import STYLES, SUN, SUN_ON_MESHES, Picture, draw, require_png, save_png
+from .portrait import Portrait
 
 
 def render(
@@ -31,6 +33,9 @@ def render(
     wireframe: bool = False,
     height_range: tuple[float, float] | None = None,
     factor_range: tuple[float, float] | None = None,
+    exaggeration: float = 1.0,
+    sky_light: bool = True,
+    notes: bool = True,
     device: Device | None = None,
 ) -> Picture:
     """Draw a picture of ground or of a mesh. Needs no display.
@@ -49,9 +54,10 @@ def render(
     style : str, optional
         ``"shaded"``: sunlit ground, tinted by height, with haze. ``"plain"``: sunlit, all of one
         colour, for what is no ground. ``"wireframe"``: its triangles, hidden ones left out.
-        ``"lod"``: a colour a patch, by the cells that its segments span: red one, then yellow,
-        green and blue, black 64 or more; with `factor_range` by its inside factors, red the most.
-        Default: shaded, or plain for a mesh that no terrain made.
+        ``"lod"``: the level of detail, which is how many cells a side of a triangle spans, bright
+        the fewest, and an outline around every patch. ``"size"``: how many cells a patch is wide;
+        ``"factor"``: into how many parts it is cut, by its inside factors. Colours go over what is
+        there. Default: shaded, or plain for a mesh that no terrain made.
     sun : (float, float), optional
         Where the light comes from: degrees clockwise from north, degrees above the horizon.
         Default: 315, 40, as maps are lit; 200, 40, over the shoulder, for a mesh that no terrain
@@ -64,7 +70,16 @@ def render(
         World heights of the lowest and the highest tint. Default: those of the ground, or of the
         mesh. Give the ground's to compare pictures of several meshes.
     factor_range : (float, float), optional
-        Factors shown as black and as red, in style "lod".
+        Factors of the first and the last colour, in style "factor".
+    exaggeration : float, optional
+        How many times as high heights are drawn. Pixels that a level of detail keeps are those of
+        the picture, metres are true; so are the camera's coordinates.
+    sky_light : bool, optional
+        Let ground that sees less of the sky have less of its light, so that valleys are deep. Not
+        of pyramids and meshes.
+    notes : bool, optional
+        Say along the foot of the picture what it shows: a colour bar, a scale bar, north, where
+        the camera looks and the sun stands, triangles and error.
     device : Device, optional
         For ground; a terrain has its own.
 
@@ -98,32 +113,57 @@ def render(
     if path is not None:
         require_png(path)
     require_graphics()
+    tall = positive("exaggeration", exaggeration)
+    noting, with_sky = flag("notes", notes), flag("sky_light", sky_light)
     if isinstance(what, Heightmap):
         what = Terrain(what, device=device)
-    drape = None
+    drape, ground, sky = None, None, None
     if isinstance(what, StreamingTerrain):
+        if tall != 1:
+            raise InputError(
+                f"expected ground in memory with exaggeration {tall:g}, got a pyramid: "
+                "draw its mesh"
+            )
+        ground = what.overview
         height_range = height_range or what.height_range
-        camera = camera or default_camera(what.overview)
+        camera = camera or default_camera(ground)
         what = what.mesh(camera, lod=lod)
     elif isinstance(what, Terrain):
         ground = what.ground
         drape = None if texture is None else Drape.load(file_path("texture", texture), ground)
-        height_range = ground.height_range if height_range is None else height_range
-        camera = camera or default_camera(ground)
-        what = what.mesh(camera, lod=lod)
+        camera = camera or default_camera(ground, exaggeration=tall)
+        drawn = ExaggeratedTerrain(what, tall)
+        what, sky = drawn.mesh(camera, lod=lod), drawn.sky_light() if with_sky else None
     elif camera is None:
-        camera = camera_around(what.vertices, what.origin)
+        seen = stretched(what, tall)
+        camera = camera_around(seen.vertices, seen.origin).lifted(1 / tall)
     is_ground = what.patches is not None
-    picture = draw(
-        what,
-        camera,
-        style=style or ("shaded" if is_ground else "plain"),
-        sun=(SUN if is_ground else SUN_ON_MESHES) if sun is None else sun,
-        height_range=height_range,
-        factor_range=factor_range,
-        drape=drape,
-        wireframe=wireframe,
-    )
+    style = style or ("shaded" if is_ground else "plain")
+    sun = (SUN if is_ground else SUN_ON_MESHES) if sun is None else sun
+    if ground is None:
+        picture = draw(
+            what,
+            camera,
+            style=style,
+            sun=sun,
+            height_range=height_range,
+            factor_range=factor_range,
+            wireframe=wireframe,
+            exaggeration=tall,
+        )
+    else:
+        portrait = Portrait(
+            ground,
+            style,
+            sun,
+            tall,
+            height_range,
+            factor_range,
+            drape,
+            flag("wireframe", wireframe),
+            sky,
+        )
+        picture = portrait.of(what, camera, notes=noting)
     if path is not None:
         save_png(picture, path)
     return picture

@@ -89,6 +89,24 @@ class Patches:
             tiles[rows, first_column[patch] : end_column[patch]] = values[patch]
         return tiles
 
+    def largest_on_tiles(self, values: npt.NDArray[Any]) -> npt.NDArray[np.float64]:
+        """Return the largest of a tile's values, (TR, TC), in each patch; NaN where all are; (P,).
+
+        The way back from :meth:`on_tiles`.
+        """
+        grid = self.grid
+        top, left, down, across = self.areas.T
+        first = (np.searchsorted(grid.corner_rows, top), np.searchsorted(grid.corner_columns, left))
+        end = (
+            np.searchsorted(grid.corner_rows, top + down),
+            np.searchsorted(grid.corner_columns, left + across),
+        )
+        largest: npt.NDArray[np.float64] = values[first].astype(np.float64)
+        for patch in np.flatnonzero((end[0] - first[0] > 1) | (end[1] - first[1] > 1)):
+            part = values[first[0][patch] : end[0][patch], first[1][patch] : end[1][patch]]
+            largest[patch] = np.fmax.reduce(part, axis=None)
+        return largest
+
     @property
     def culled_count(self) -> int:
         return self.count - int(np.count_nonzero(self.drawn))

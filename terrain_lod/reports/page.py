@@ -170,8 +170,8 @@ def _seen(
             section(
                 "Where the triangles go",
                 paragraph(
-                    "As asked for, each patch in the colour of its segments: red where one is a "
-                    "cell of the raster, the most detail there is; black where it is 64 cells.",
+                    "As asked for, each patch in the colour of its segments: yellow where they are "
+                    "shortest in the picture, the most detail; dark violet where they are longest.",
                     kind="soft",
                 ),
                 ramp,

@@ -37,6 +37,7 @@ from .lod_promises import ScreenErrorLod
 from .meshing import Tessellated, device_mesh_of, mesh_of
 from .promise import Promise
 from .queries import heights_on_device, rays_on_device
+from .sky import sky_seen
 from .steady import Steady
 from .tiles import DeviceTiles
 from .turns import Turns
@@ -98,6 +99,7 @@ class Terrain:
         relief, device = Relief(ground, detail), Device.of(device)
         self._tiles = DeviceTiles.of(DeviceGround.upload(relief, tile, device), plane=plane)
         self._turns, self._measuring = Turns(), threading.Lock()
+        self._sky: tuple[Heightmap, npt.NDArray[np.float32]] | None = None
 
     def update(self, rows: slice, columns: slice, heights: npt.ArrayLike) -> int:
         """Replace samples of the ground, and analyse the tiles that they touch anew.
@@ -141,6 +143,11 @@ class Terrain:
         return self._tiles.grid
 
     @property
+    def plane(self) -> str:
+        """Which plane deviations are from."""
+        return self._tiles.analysis.plane
+
+    @property
     def analysis(self) -> TileAnalysis:
         """Planes, deviations and ranges of the tiles."""
         with self._turns.reading():
@@ -160,6 +167,18 @@ class Terrain:
     def origin(self) -> tuple[float, float, float]:
         """World point that meshes of this terrain are relative to."""
         return self._tiles.ground.origin
+
+    @property
+    def sky(self) -> npt.NDArray[np.float32]:
+        """Share of the sky's light that each sample has, 0 to 1, without detail; (R, C).
+
+        Found once, and again after an update.
+        """
+        with self._turns.reading(), self._measuring:
+            ground = self.ground
+            if self._sky is None or self._sky[0] is not ground:
+                self._sky = ground, sky_seen(ground, self.device)
+            return self._sky[1]
 
     @property
     def scene(self) -> Scene:

@@ -11,9 +11,9 @@ import numpy as np
 
 from ..errors import InputError, MissingExtraError
 from ..ground.heightmap import Heightmap
+from ..ground.place import Place
 from ..ground.units import METRE, unit_called
 from .ellipsoid import Floats
-from .place import Place
 from .source import Source
 
 # names for grids of PROJ's collection

@@ -8,11 +8,11 @@ from typing import Final
 import numpy as np
 
 from ..errors import FileError, InputError
+from ..ground.place import Place
 from ..ground.units import METRE, unit_called
 from ..sources.source import Source as Windows
 from .geoid import Geoid
 from .mapped import MappedGround
-from .place import Place
 
 # samples read together
 _TOGETHER: Final = 1 << 22

@@ -11,10 +11,10 @@ import numpy.typing as npt
 
 from ..errors import InputError
 from ..ground.heightmap import Heightmap
+from ..ground.place import Place
 from ..ground.units import unit_called
 from .ellipsoid import Floats, radii
 from .mapped import MappedGround
-from .place import Place
 from .schemes import Bounds
 
 # samples looked at together: some 100 MB of what is worked out for each

@@ -1,17 +1,4 @@
-"""Mouse, keys and sliders of a window.
-
-==========================  ======================================================================
-drag, right drag, wheel     around the target (flying: look around); nearer; nearer
-middle or shift drag        sideways
-click                       what is known of the place
-w a s d, arrows             fly
-1 ... 6                     the modes: shaded, wireframe, lod, and those of the scene
-m l p e x n                 the next mode, LOD, partitioning; edge rule; sharp edges, normals
-t f b                       tessellate, freeze, back faces: on or off
-g                           drag flies or orbits
-r u c v h q                 reset the camera, reload the file, picture, record, hide, quit
-==========================  ======================================================================
-"""
+"""Mouse, keys and sliders of a window. What keys do stands in `actions.py`."""
 
 from __future__ import annotations
 
@@ -22,6 +9,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from ..errors import FileError, TerrainError
+from .actions import ACTIONS
 from .movie import Movie
 from .rig import Rig
 from .settings import Settings, Slider
@@ -125,25 +113,40 @@ class Controls:
         if key in _FLIGHT:
             forward, right = _FLIGHT[key]
             window.drive(window.rig.fly(forward * self._step(), right * self._step()))
-        match key:
-            case "g":
-                self.flying = not self.flying
-                window.note = "drag to look around" if self.flying else "drag to orbit"
-            case "r":
-                window.drive(window.home)
-            case "u":
-                window.note = "reading the file again"
-                window.reload()
-            case "c":
-                path = self._free("terrain-lod", ".png")
-                window.picture(path)
-                window.note = f"wrote {path}"
-            case "v":
-                self.record(None if self.movie else self._free("terrain-lod", ".gif"))
-            case "h":
-                window.texts_shown = not window.texts_shown
-            case "q":
-                self._interactor.TerminateApp()
+        for action in ACTIONS:
+            if key in action.keys:
+                getattr(self, action.method)()
+
+    def show_help(self) -> None:
+        self.window.help_shown = not self.window.help_shown
+
+    def show_details(self) -> None:
+        self.window.details_shown = not self.window.details_shown
+
+    def switch_flight(self) -> None:
+        self.flying = not self.flying
+        self.window.note = "drag to look around" if self.flying else "drag to orbit"
+
+    def reset(self) -> None:
+        self.window.drive(self.window.home)
+
+    def reload(self) -> None:
+        self.window.note = "reading the file again"
+        self.window.reload()
+
+    def take_picture(self) -> None:
+        path = self._free("terrain-lod", ".png")
+        self.window.picture(path)
+        self.window.note = f"wrote {path}"
+
+    def switch_recording(self) -> None:
+        self.record(None if self.movie else self._free("terrain-lod", ".gif"))
+
+    def hide(self) -> None:
+        self.window.texts_shown = not self.window.texts_shown
+
+    def quit(self) -> None:
+        self._interactor.TerminateApp()
 
     def record(self, path: Path | None) -> None:
         """Begin a recording to `path`; None ends the one that runs, written or not.

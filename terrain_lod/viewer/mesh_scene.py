@@ -11,7 +11,6 @@ import numpy.typing as npt
 from ..camera.camera import Camera, Point
 from ..camera.viewpoint import camera_around
 from ..curved.bezier import bezier
-from ..curved.patch_factors import MAX_FACTOR
 from ..curved.patched_mesh import PatchedMesh, require_curvable
 from ..curved.pn import patch_factors_on_device
 from ..curved.smooth import edge_factors, tessellate_nets
@@ -23,7 +22,6 @@ from .colours import Paint, by_normal, of_clay, paper
 from .mesh_settings import BezierSettings, CurvedSettings
 from .rig import triangle_seen
 from .scene import Frame, Pick, Request, Scene, numbered
-from .settings import Settings
 
 # rows are where x, y and z go: y up becomes z up
 _TURN = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
@@ -63,7 +61,7 @@ class MeshFrame(Frame):
             case "wireframe":
                 return paper(self.mesh)
             case "lod":
-                return self.by_detail(_most(self.request.settings))
+                return self.by_detail()
             case "normals":
                 return by_normal(self.mesh)
         return of_clay(self.mesh, self.sun)
@@ -214,8 +212,3 @@ class BezierScene(_Placed):
             inside_factors=np.full((count, 2), factor, np.float32),
             triangle_offsets=np.arange(count + 1) * (len(mesh.triangles) // count),
         )
-
-
-def _most(settings: Settings) -> float:
-    """Return the largest factor that can be expected, for the colours."""
-    return float(getattr(settings.formulas[settings.lod], "maximum", MAX_FACTOR))

@@ -85,6 +85,11 @@ class Frame(ABC):
         """Return what else is known of the mesh, a line each."""
         return ()
 
+    def headline(self) -> str:
+        """Return what matters most of the mesh, in a line."""
+        frozen = ", frozen" if self.request.settings.frozen else ""
+        return f"{len(self.mesh.triangles):,} triangles{frozen}"
+
     @abstractmethod
     def painted(self) -> Paint:
         """Return the mesh's colours."""
@@ -112,9 +117,9 @@ class Frame(ABC):
         """Where the light comes from, degrees."""
         return self.request.settings.azimuth, self.request.settings.elevation
 
-    def by_detail(self, most: float) -> Paint:
-        """Return colours by the patches' edge factors, up to `most`."""
-        return by_detail(self.mesh, self.sun, self.edge_factors, self.triangle_offsets, most)
+    def by_detail(self) -> Paint:
+        """Return colours by the patches' edge factors."""
+        return by_detail(self.mesh, self.sun, self.edge_factors, self.triangle_offsets)
 
     def lines(self) -> tuple[str, ...]:
         """Return the read-out, a line each."""
@@ -142,6 +147,8 @@ class Scene(ABC):
         World point.
     diagonal : float
         Of its extent, in world units.
+    unit : str or None
+        Of x and y; None for what is no ground, which has neither scale nor north.
     read_by_vtk : bool
         Whether its file is: VTK waits for itself when it reads on one thread and draws on another.
     """
@@ -149,6 +156,7 @@ class Scene(ABC):
     settings: Settings
     centre: Point
     diagonal: float
+    unit: str | None = None
     read_by_vtk: bool = False
 
     @abstractmethod

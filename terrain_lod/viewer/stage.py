@@ -1,4 +1,4 @@
-"""What a viewer draws with VTK: a mesh before the sky, a frustum, a mark and two texts.
+"""What a viewer draws with VTK: a mesh before the sky, a frustum, a mark, texts and a colour bar.
 
 Everything is lit and coloured before it comes here. VTK projects and hides, most often on a CPU:
 so no lights, no smoothing of edges, no back faces where none are seen, and no sky behind ground.
@@ -14,7 +14,10 @@ import numpy.typing as npt
 from ..camera.camera import Camera
 from ..drawing.colours import to_bytes
 from ..drawing.graphics import require_graphics
+from ..drawing.notes import bar, compass, letter_size
 from ..drawing.picture import HORIZON, INK, ZENITH, Picture, stand
+from ..drawing.scales import Scale
+from .plate import Plate
 
 if TYPE_CHECKING:
     import pyvista
@@ -23,7 +26,6 @@ if TYPE_CHECKING:
 
 _FRUSTUM: Final = (0.95, 0.80, 0.10)
 _MARK: Final = (0.95, 0.10, 0.60)
-_TEXT_SIZE: Final = 14
 _GLASS: Final = 0.65  # opacity of what texts and controls stand on
 # a quad over the whole picture, behind everything: only pixels that nothing covers are shaded
 _SKY_VERTICES: Final = """//VTK::System::Dec
@@ -90,7 +92,9 @@ class Stage:
             actor.visibility = False
         self._add_sky()
         self._panel = self._add_panel()
-        self._readout, self._footer = self._text(0.99, "Top"), self._text(0.01, "Bottom")
+        self._readout, self._footer = self._text("Top"), self._text("Bottom")
+        self._help = self._text("Centered")
+        self._bar, self._compass = Plate(self.plotter.renderer), Plate(self.plotter.renderer)
 
     @property
     def size(self) -> tuple[int, int]:
@@ -134,10 +138,26 @@ class Stage:
         if point is not None:
             self._place(self.mark, np.array([point]))
 
-    def write(self, readout: str, footer: str) -> None:
-        """Set the texts above and below."""
-        self._readout.SetInput(readout)
-        self._footer.SetInput(footer)
+    def write(self, readout: str, footer: str, instructions: str = "") -> None:
+        """Set the texts above and below, and the one in the middle."""
+        width, height = self.size
+        size, left = letter_size(min(width, height)), self._bar.width
+        places = ((self._readout, readout, 0, height - 1), (self._footer, footer, left, 0),
+                  (self._help, instructions, 2 * size, height // 2))  # fmt: skip
+        for actor, text, x, y in places:
+            actor.SetInput(text)
+            actor.SetPosition(x + size // 2, y + (size // 2 if y == 0 else -(size // 2)))
+            actor.GetTextProperty().SetFontSize(size)
+
+    def explain(self, camera: Camera, scale: Scale | None, unit: str | None) -> None:
+        """Show a colour bar at the lower left, a scale bar and north at the lower right."""
+        width, height = self.size
+        size = letter_size(min(width, height))
+        room = width > 30 * size
+        self._bar.show(bar(scale, size, max(width // 4, 8 * size)) if scale and room else None)
+        wide = max(width // 6, 6 * size)
+        self._compass.show(compass(camera, unit, size, wide) if unit and room else None)
+        self._compass.move(width - self._compass.width)
 
     def show_panel(self, height: float) -> None:
         """Lay a light ground under controls at the upper right, a share of the window high."""
@@ -210,15 +230,12 @@ class Stage:
         self.plotter.renderer.AddViewProp(panel)
         return panel
 
-    def _text(self, y: float, side: str) -> Any:
+    def _text(self, side: str) -> Any:
         from vtkmodules.vtkRenderingCore import vtkTextActor
 
         text = vtkTextActor()
-        text.GetPositionCoordinate().SetCoordinateSystemToNormalizedViewport()
-        text.SetPosition(0.01, y)
         look = text.GetTextProperty()
         look.SetFontFamilyToCourier()
-        look.SetFontSize(_TEXT_SIZE)
         look.SetColor(0.08, 0.10, 0.14)
         look.SetBackgroundColor(1.0, 1.0, 1.0)
         look.SetBackgroundOpacity(_GLASS)

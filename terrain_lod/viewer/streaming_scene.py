@@ -9,12 +9,13 @@ import numpy as np
 
 from ..camera.camera import Camera, Point
 from ..camera.viewpoint import default_camera
+from ..ground.place import said_place
 from ..numbered import begin
 from ..pyramid.division import NODE
 from ..streaming.terrain import StreamingTerrain
 from ..terrain.lod import PromiseLod
 from ..terrain.lod_promises import MaxErrorLod, ScreenErrorLod
-from .colours import Paint, by_height, by_normal, by_segments, paper
+from .colours import Paint, by_height, by_normal, by_patches, paper
 from .rig import height_at, triangle_seen
 from .scene import Frame, Pick, Request, Scene, numbered
 from .settings import SUN, Choice, Settings, Slider
@@ -37,7 +38,7 @@ class StreamingSettings(Settings):
     @property
     def choices(self) -> tuple[Choice, ...]:
         return (
-            Choice("mode", "m", ("shaded", "wireframe", "lod", "normals")),
+            Choice("mode", "m", ("shaded", "wireframe", "lod", "normals", "size", "factor")),
             Choice("lod", "l", tuple(self.formulas), "level of detail"),
             Choice("frozen", "f", (False, True)),
         )
@@ -62,17 +63,20 @@ class PatchOnGround(Pick):
         Rows and columns of samples that its patch spans.
     edge_factors, inside_factors : tuple of float
     unit : str
+    place : tuple of str
+        Where that is, as :class:`TilePick` has it.
     """
 
     cells: tuple[int, int]
     edge_factors: tuple[float, ...]
     inside_factors: tuple[float, ...]
     unit: str
+    place: tuple[str, ...]
 
     def lines(self) -> tuple[str, ...]:
-        x, y, z = self.point
         return (
-            f"height {z:,.2f} {self.unit} of the mesh at {x:,.1f}, {y:,.1f}",
+            f"height {self.point[2]:,.2f} {self.unit} of the mesh",
+            *self.place,
             f"patch of {self.cells[0]:,} x {self.cells[1]:,} cells",
             f"factors {numbered(self.edge_factors)}  inside {numbered(self.inside_factors)}",
         )
@@ -114,12 +118,11 @@ class StreamingFrame(Frame):
         match self.request.settings.mode:
             case "wireframe":
                 return paper(mesh)
-            case "lod":
-                assert mesh.patches is not None
-                return by_segments(mesh, sun, mesh.patches)
+            case "lod" | "size" | "factor" as style:
+                return by_patches(mesh, sun, style)
             case "normals":
                 return by_normal(mesh)
-        return by_height(mesh, sun, terrain.height_range, terrain.overview.unit_symbols[1])
+        return by_height(mesh, sun, terrain.overview, terrain.height_range)
 
     def pick(self, camera: Camera, x: float, y: float) -> PatchOnGround | None:
         seen, patches = triangle_seen(self.mesh, camera, x, y), self.mesh.patches
@@ -128,8 +131,11 @@ class StreamingFrame(Frame):
         assert patches is not None
         patch = int(np.searchsorted(self.triangle_offsets, seen[0], "right")) - 1
         _, _, down, across = patches.areas[patch].tolist()
+        overview = self.terrain.overview
+        x_world, y_world, _ = seen[1]
         return PatchOnGround(
             point=seen[1],
+            place=said_place(overview.crs, x_world, y_world, overview.unit_symbols[0]),
             cells=(down, across),
             edge_factors=tuple(self.edge_factors[patch].tolist()),
             inside_factors=tuple(self.inside_factors[patch].tolist()),
@@ -151,6 +157,7 @@ class StreamingScene(Scene):
         self.terrain = terrain
         self.centre = terrain.overview.centre
         self.diagonal = float(np.hypot(*terrain.overview.extent))
+        self.unit = terrain.overview.unit_symbols[0]
         self.settings = StreamingSettings(diagonal=self.diagonal)
 
     def camera(self) -> Camera:

@@ -8,12 +8,18 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from ..arguments import positive
 from ..camera.camera import Camera, Point
 from ..camera.viewpoint import default_camera
 from ..device.device import Device
+from ..drawing.exaggeration import ExaggeratedTerrain, stretched
+from ..drawing.sky_light import SkyLight
+from ..ground.exaggeration import exaggerated
 from ..ground.heightmap import Heightmap
+from ..ground.place import said_place
 from ..measure.error import vertical_error
 from ..measure.screen_error import screen_error
+from ..mesh.mesh import Mesh
 from ..terrain.steady import Steady
 from ..terrain.terrain import Terrain
 from .colours import (
@@ -22,7 +28,7 @@ from .colours import (
     by_error,
     by_height,
     by_normal,
-    by_segments,
+    by_patches,
     paper,
 )
 from .rig import ground_seen, height_at
@@ -65,6 +71,10 @@ class TilePick(Pick):
     ----------
     tile : (int, int)
         Row and column.
+    place : tuple of str
+        Where that is, in degrees where they are known, and in the raster's own coordinates.
+    height : float
+        In truth, however high it is drawn.
     edge_factors : tuple of float
         West, north, east, south; 0 where the patch was culled.
     inside_factors : tuple of float
@@ -76,6 +86,8 @@ class TilePick(Pick):
     """
 
     tile: tuple[int, int]
+    place: tuple[str, ...]
+    height: float
     edge_factors: tuple[float, ...]
     inside_factors: tuple[float, ...]
     normal: tuple[float, ...]
@@ -83,10 +95,9 @@ class TilePick(Pick):
     unit: str = "m"
 
     def lines(self) -> tuple[str, ...]:
-        x, y, z = self.point
         return (
-            f"tile {self.tile[0]}, {self.tile[1]}  "
-            f"height {z:,.2f} {self.unit} at {x:,.1f}, {y:,.1f}",
+            f"tile {self.tile[0]}, {self.tile[1]}  height {self.height:,.2f} {self.unit}",
+            *self.place,
             f"factors {numbered(self.edge_factors)}  inside {numbered(self.inside_factors)}",
             f"plane {numbered(self.normal, 3)}  deviation {self.deviation:.3g} {self.unit}",
         )
@@ -100,18 +111,35 @@ class TerrainFrame(Frame):
     ----------
     settings : TerrainSettings
         Those of the request.
+    scene : TerrainScene
+    sky_light : SkyLight or None
+        On the ground as it is drawn; None where it is off.
+    true_mesh : Mesh
+        With heights as they are, where `mesh` is drawn with exaggerated ones.
     terrain : Terrain
-        What the mesh was made of.
+        Of the true ground.
     error : Measured or None
         None until it is measured.
     """
 
     settings: TerrainSettings
+    scene: TerrainScene
+    sky_light: SkyLight | None
+    true_mesh: Mesh
     terrain: Terrain
     error: Measured | None = None
 
     def facts(self) -> tuple[str, ...]:
-        return (f"largest error {self.error or 'being measured'}",)
+        tall = self.scene.exaggeration
+        drawn = () if tall == 1 else (f"heights drawn {tall:g} times as high",)
+        return (f"largest error {self.error or 'being measured'}", *drawn)
+
+    def headline(self) -> str:
+        asked = self.settings.asked()
+        error = f"error {self.error}" if self.error else "error being measured"
+        wanted = f" (asked: {asked})" if asked else ""
+        tall = "" if self.scene.exaggeration == 1 else f"; heights × {self.scene.exaggeration:g}"
+        return f"{super().headline()}, {error}{wanted}{tall}"
 
     def painted(self) -> Paint:
         mesh, sun, ground = self.mesh, self.sun, self.terrain.ground
@@ -119,35 +147,42 @@ class TerrainFrame(Frame):
         match self.settings.mode:
             case "wireframe":
                 return paper(mesh)
-            case "lod":
-                assert mesh.patches is not None
-                return by_segments(mesh, sun, mesh.patches)
+            case "lod" | "size" | "factor" as style:
+                return by_patches(mesh, sun, style)
             case "deviation":
-                patches, rough = mesh.patches, self.terrain.scene.rough_deviation
-                assert patches is not None
-                return by_deviation(
-                    mesh, sun, patches.deviation, self.triangle_offsets, rough, unit
-                )
+                assert mesh.patches is not None
+                found = self.terrain.analysis.deviation
+                deviations = mesh.patches.largest_on_tiles(found)
+                rough = self.terrain.scene.rough_deviation
+                return by_deviation(mesh, sun, deviations, self.triangle_offsets, rough, unit)
             case "error":
                 device = self.terrain.device
-                field = vertical_error(mesh, ground, field=True, device=device).field
+                field = vertical_error(self.true_mesh, ground, field=True, device=device).field
                 assert field is not None
                 return by_error(mesh, sun, field, ground)
             case "normals":
                 return by_normal(mesh)
-        return by_height(mesh, sun, ground.height_range, unit)
+        return by_height(
+            mesh,
+            sun,
+            ground,
+            ground.height_range,
+            exaggeration=self.scene.exaggeration,
+            sky_light=self.sky_light,
+        )
 
     def measured(self) -> TerrainFrame:
         """Return the frame with its error, measured where the mesh did not bring it."""
         if self.error is not None and self.error.pixels is not None:
             return self
         ground, device = self.terrain.ground, self.terrain.device
-        metres = vertical_error(self.mesh, ground, device=device).maximum
-        pixels = screen_error(self.mesh, ground, self.request.camera, device=device).maximum
+        metres = vertical_error(self.true_mesh, ground, device=device).maximum
+        shown = self.scene.shown
+        pixels = screen_error(self.mesh, shown, self.request.camera, device=device).maximum
         return replace(self, error=Measured(metres, pixels, ground.unit_symbols[1]))
 
     def pick(self, camera: Camera, x: float, y: float) -> TilePick | None:
-        place = ground_seen(self.terrain.ground, camera, x, y)
+        place = ground_seen(self.scene.shown, camera, x, y)
         return None if place is None else self.at(place[0], place[1])
 
     def at(self, x: float, y: float) -> TilePick:
@@ -164,8 +199,10 @@ class TerrainFrame(Frame):
             for factors in (self.edge_factors, self.inside_factors)
         )
         return TilePick(
-            point=(x, y, height_at(ground, x, y)),
+            point=(x, y, height_at(self.scene.shown, x, y)),
             tile=tile,
+            place=said_place(ground.crs, x, y, ground.unit_symbols[0]),
+            height=height_at(ground, x, y),
             edge_factors=edges,
             inside_factors=insides,
             normal=tuple(terrain.analysis.normal[tile].tolist()),
@@ -182,58 +219,85 @@ class TerrainScene(Scene):
     ground : Heightmap
     levels : int, optional
         As for :class:`terrain_lod.Terrain`.
+    exaggeration : float, optional
+        How many times as high heights are drawn. The viewer's world is what is drawn: its cameras
+        stand there.
     device : Device, optional
+
+    Attributes
+    ----------
+    ground, shown : Heightmap
+        As it is, and as it is drawn.
+
+    Raises
+    ------
+    InputError
+        If the exaggeration is not above 0.
     """
 
     settings: TerrainSettings
 
     def __init__(
-        self, ground: Heightmap, *, levels: int | None = None, device: Device | None = None
+        self,
+        ground: Heightmap,
+        *,
+        levels: int | None = None,
+        exaggeration: float = 1.0,
+        device: Device | None = None,
     ) -> None:
         self.ground, self.levels, self.device = ground, levels, Device.of(device)
-        self.centre = ground.centre
+        self.exaggeration = positive("exaggeration", exaggeration)
+        self.shown = exaggerated(ground, self.exaggeration)
+        self.centre, self.unit = self.shown.centre, ground.unit_symbols[0]
         self.diagonal = float(np.hypot(*ground.extent))
         self.settings = TerrainSettings(diagonal=self.diagonal)
         if ground.heights.size > _LARGE:
             self.settings = self.settings.with_tile(_LARGE_TILE)
         self._terrain: Terrain | None = None
+        self._drawn: ExaggeratedTerrain | None = None
         self._steady = Steady()
 
     def camera(self) -> Camera:
-        return default_camera(self.ground)
+        seen = default_camera(self.ground, exaggeration=self.exaggeration)
+        return seen.lifted(self.exaggeration)
 
     def floor(self, x: float, y: float) -> float:
-        return height_at(self.ground, x, y)
+        return height_at(self.shown, x, y)
 
     def shows_fronts_alone(self, eye: Point) -> bool:
         """Return whether an eye above the ground looks over it, not through its border or holes."""
         (x, y), (width, depth) = self.ground.origin, self.ground.extent
         over = x <= eye[0] <= x + width and y - depth <= eye[1] <= y
-        return self.ground.mask is None and (over or eye[2] > self.ground.height_range[1])
+        return self.ground.mask is None and (over or eye[2] > self.shown.height_range[1])
 
     def terrain(self, tile: int) -> Terrain:
         """Return the ground's terrain with tiles of `tile` cells, made when that changes."""
         if self._terrain is None or self._terrain.grid.tile != tile:
             self._terrain = Terrain(self.ground, tile=tile, levels=self.levels, device=self.device)
+            self._drawn = ExaggeratedTerrain(self._terrain, self.exaggeration)
         return self._terrain
 
     def tessellated(self, request: Request) -> TerrainFrame:
         settings = request.settings
         assert isinstance(settings, TerrainSettings)
         terrain = self.terrain(settings.tile)
-        mesh = terrain.mesh(
-            request.camera,
+        assert self._drawn is not None  # made with the terrain
+        true_mesh = self._drawn.mesh(
+            request.camera.lifted(1 / self.exaggeration),
             lod=settings.detail(),
             edge_rule=settings.usable_edge_rule,
             partitioning=settings.partitioning,
             steady=self._steady if settings.can_be_steady else None,
         )
-        patches, achieved = mesh.patches, mesh.achieved
+        mesh = stretched(true_mesh, self.exaggeration)
+        patches, achieved = mesh.patches, true_mesh.achieved
         assert patches is not None
         return TerrainFrame(
             request=request,
             scene=self,
             mesh=mesh,
+            sky_light=self._drawn.sky_light() if settings.sky_light else None,
+            true_mesh=true_mesh,
             edge_factors=patches.edge_factors,
             inside_factors=patches.inside_factors,
             triangle_offsets=patches.triangle_offsets,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
@@ -13,7 +14,16 @@ from ..terrain.lod_formulas import UniformLod
 from ..terrain.lods import LODS
 from .settings import SHARED, SUN, Choice, Settings, Slider, slider_of
 
-MODES: Final = ("shaded", "wireframe", "lod", "deviation", "error", "normals")
+MODES: Final = (
+    "shaded",
+    "wireframe",
+    "lod",
+    "deviation",
+    "error",
+    "normals",
+    "size",
+    "factor",
+)
 # each a third or half as many again: kernels are built for each, which takes a second or two once
 TILES: Final = (3, 4, 6, 8, 11, 15, 21, 31, 45, 63)
 
@@ -31,6 +41,8 @@ class TerrainSettings(Settings):
         Rule for the factors that formulas give to shared edges.
     tile : int
         Cells along a tile.
+    sky_light : bool
+        Valleys have less of the sky's light.
     """
 
     lod: str = "screen-error"
@@ -39,6 +51,7 @@ class TerrainSettings(Settings):
     edge_rule: str = "min"
     partitioning: str = "integer"
     tile: int = DEFAULT_TILE
+    sky_light: bool = True
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "tile", whole("tile", self.tile, 1, MAX_TILE))
@@ -57,6 +70,7 @@ class TerrainSettings(Settings):
             Choice("lod", "l", tuple(self.formulas), "level of detail"),
             Choice("edge_rule", "e", ("min", "max"), "factor of shared edges"),
             *SHARED,
+            Choice("sky_light", "k", (True, False), "light of the sky"),
         )
 
     @property
@@ -93,6 +107,15 @@ class TerrainSettings(Settings):
         lod = unweighted(self.detail())
         promised = isinstance(lod, PromiseLod) and lod.triangles is None
         return promised and self.partitioning == "integer"
+
+    def asked(self) -> str | None:
+        """Return the error that the level of detail is to keep, if it is asked for one."""
+        lod = unweighted(self.detail())
+        if not isinstance(lod, PromiseLod) or lod.triangles is not None:
+            return None
+        if not math.isfinite(lod.pixels):
+            return f"{lod.metres:.3g}"
+        return f"{lod.pixels:g} pixel{'' if lod.pixels == 1 else 's'}"
 
     def detail(self) -> AnyLod:
         """Return the level of detail."""

@@ -15,6 +15,7 @@ from typing import Any, Final
 
 from ..camera.camera import Camera
 from ..errors import InputError, MissingExtraError, TerrainError
+from .actions import ACTIONS, choice_help
 from .controls import Controls
 from .model import Model
 from .settings import Slider
@@ -159,7 +160,7 @@ class Page:
 
     def _share_readout(self) -> None:
         frame = self.window.frame
-        self._state.readout = list(self.window.lines())
+        self._state.readout = list(self.window.readout())
         self._state.note = self.window.note.split("\n") if self.window.note else []
         self._state.triangle_count = 0 if frame is None else len(frame.mesh.triangles)
 
@@ -207,8 +208,14 @@ class Page:
                 html.Span(
                     "{{ triangle_count.toLocaleString('en') }} triangles", id="triangle-count"
                 )
-                for text, key in (("reset", "r"), ("reload", "u"), ("fly", "g")):
-                    vuetify3.VBtn(text, id=text, click=lambda key=key: self.controls.press(key))
+                for action in ACTIONS:
+                    if action.on_page:
+                        vuetify3.VBtn(
+                            action.label,
+                            id=action.label,
+                            title=f"{action.help} ({action.keys[0]})",
+                            click=lambda key=action.keys[0]: self.controls.press(key),
+                        )
             with layout.drawer as drawer:
                 drawer.width = 330
                 self._build_controls()
@@ -232,9 +239,15 @@ class Page:
 
         for choice in self.window.settings.choices:
             label = choice.label or choice.name
+            told = f"{choice_help(choice)} ({choice.key})"
             if isinstance(choice.values[0], bool):
                 vuetify3.VSwitch(
-                    v_model=(choice.name,), label=label, id=choice.name, **_DENSE, color="primary"
+                    v_model=(choice.name,),
+                    label=label,
+                    id=choice.name,
+                    title=told,
+                    color="primary",
+                    **_DENSE,
                 )
             else:
                 vuetify3.VSelect(
@@ -242,6 +255,7 @@ class Page:
                     items=(f"{choice.name}_values", list(choice.values)),
                     label=label,
                     id=choice.name,
+                    title=told,
                     **_DENSE,
                 )
         for slider in self.window.settings.numbers:

@@ -20,6 +20,7 @@ from typing import Any, Final
 from ..camera.camera import Camera
 from ..drawing.picture import Picture, save_png
 from ..errors import InputError, TerrainError
+from .actions import help_lines
 from .engine import Engine
 from .memory import COLLECTOR
 from .model import Model
@@ -85,7 +86,7 @@ class Window:
         self.note = ""
         self.home = self.rig = self._held(Rig.of(camera))
         self.draw_seconds = 0.0
-        self.texts_shown = True
+        self.texts_shown, self.details_shown, self.help_shown = True, False, False
         self._scene = model.scene
         self._frozen: Camera | None = None
         self._picked: _Picked | None = None
@@ -201,8 +202,15 @@ class Window:
         """Draw what is there."""
         self._dirty, self._waiting = False, None
         begun = perf_counter()
-        self.stage.write("\n".join(self.lines()) if self.texts_shown else "", self.note)
         scene = self.model.scene if self.frame is None else self.frame.scene
+        scale = None if self.frame is None else self.frame.paint.scale
+        explained = (scale, scene.unit) if self.texts_shown else (None, None)
+        self.stage.explain(self.camera, *explained)
+        self.stage.write(
+            "\n".join(self.readout()) if self.texts_shown else "",
+            self.note,
+            "\n".join(help_lines(self.settings)) if self.help_shown else "",
+        )
         fronts_alone = self._frozen is None and scene.shows_fronts_alone(self.rig.eye)
         self.stage.draw(self.camera, fronts_alone=fronts_alone)
         self.draw_seconds = perf_counter() - begun
@@ -264,8 +272,16 @@ class Window:
         self.stage.show_mark(None if pick is None else pick.point)
         self._picked, self._dirty = _Picked(camera, x, y, self.note), True
 
+    def readout(self) -> tuple[str, ...]:
+        """Return what is written above the picture: a line or two, or all that is known."""
+        if self.details_shown or self.frame is None:
+            return self.lines()
+        late = "; making the next mesh" if self._late else ""
+        made = f"mesh {1e3 * self.frame.engine_seconds:.0f} ms"
+        return (self.frame.headline(), f"{made}, drawn in {1e3 * self.draw_seconds:.0f} ms{late}")
+
     def lines(self) -> tuple[str, ...]:
-        """Return the read-out."""
+        """Return all that is known of the picture."""
         if self.frame is None:
             return ("making the first mesh",)
         late = "  making the next mesh" if self._late else ""

@@ -14,9 +14,9 @@ from PIL import Image
 
 from terrain_lod.camera.camera import Camera
 from terrain_lod.camera.viewpoint import default_camera
-from terrain_lod.drawing.colours import LOD_STOPS, lod_colours, sun_direction
+from terrain_lod.drawing.colours import LOD_STOPS, sun_direction
 from terrain_lod.drawing.graphics import INSTALL_COMMAND, graphics_problem, require_graphics
-from terrain_lod.drawing.picture import draw, require_png, save_png
+from terrain_lod.drawing.picture import SHADE, draw, require_png, save_png
 from terrain_lod.errors import FileError, GraphicsError, InputError
 from terrain_lod.ground.grid import TileGrid
 from terrain_lod.ground.heightmap import Heightmap
@@ -89,15 +89,16 @@ def pixel_at(picture, camera, point):
 def test_lod_colours_stand_where_their_patches_project():
     factors = np.array([[15.0, 8.0, 4.5], [1.0, 0.0, 15.0]])
     mesh, camera = tiles_of(factors), over(15.0, -10.0)
-    picture = draw(mesh, camera, style="lod", factor_range=(1.0, 15.0))
+    picture = draw(mesh, camera, style="factor", factor_range=(1.0, 15.0))
     assert picture.shape == (160, 200, 3)
     assert picture.dtype == np.uint8
 
-    red, green, blue = (pixel_at(picture, camera, tile_centre(0, column)) for column in range(3))
-    assert red[0] > 2 * max(red[1], red[2])
-    assert green[1] > 2 * max(green[0], green[2])
-    assert blue[2] > 2 * max(blue[0], blue[1])
-    assert pixel_at(picture, camera, tile_centre(1, 0)).max() == 0  # the least detail is black
+    # viridis, darkened by as much light as level ground has under that sun
+    light = SHADE + (1 - SHADE) * np.sin(np.radians(40))
+    for (row, column), position in (((0, 0), 1.0), ((0, 1), 0.5), ((0, 2), 0.25), ((1, 0), 0.0)):
+        stop = next(stop for stop in LOD_STOPS if stop[0] == position)
+        seen = pixel_at(picture, camera, tile_centre(row, column))
+        assert seen == pytest.approx(255 * light * np.array(stop[1:]), abs=1.0)
     # the culled patch shows what is behind the ground
     assert (pixel_at(picture, camera, tile_centre(1, 1)) == picture[0, 0]).all()
 
@@ -129,9 +130,9 @@ def test_outline_is_where_the_camera_projects_it(size, fov):
     eye = target + distance * np.array([0.3, -0.6, 0.75])
     view = {"height": 23.0} if parallel else {"fov": fov}
     camera = Camera(tuple(eye), tuple(target), size=size, **view)
-    picture = draw(tiles_of([[15.0]]), camera, style="lod")
+    picture = draw(tiles_of([[15.0]]), camera, style="factor")
     red, background = pixel_at(picture, camera, target)[0], int(picture[0, 0, 0])
-    assert red > 2 * background
+    assert red < 0.5 * background
     coverage = (picture[..., 0].astype(float) - background) / (red - background)
 
     reach = TILE / 2 * np.array([[-1, 1, 0], [-1, -1, 0], [1, -1, 0], [1, 1, 0]])
@@ -160,20 +161,20 @@ def coverage_of_polygon(corners, size):
 @needs_graphics
 def test_near_plane_hides_only_what_is_nearer():
     mesh, camera = tiles_of(np.full((4, 4), 15.0)), over(20.0, -20.0)
-    whole = draw(mesh, camera, style="lod")
+    whole = draw(mesh, camera, style="factor")
     _, depth = camera.project(mesh.vertices + mesh.origin)
-    cut = draw(mesh, replace(camera, near=float(np.median(depth))), style="lod")
+    cut = draw(mesh, replace(camera, near=float(np.median(depth))), style="factor")
     background = whole[0, 0]
     assert (cut[:80] == whole[:80]).all()  # far half
     assert (cut[90:] == background).all()  # near half
-    beyond = draw(mesh, replace(camera, far=float(np.median(depth))), style="lod")
+    beyond = draw(mesh, replace(camera, far=float(np.median(depth))), style="factor")
     assert (beyond[90:] == whole[90:]).all()
     assert (beyond[:70] == background).all()
 
 
 @needs_graphics
 def test_far_ground_hides_what_is_behind_it():
-    # 20 km off, a wall of red 60 m in front of a green one; and something behind the eye, so that
+    # 20 km off, yellow 60 m in front of a green wall; and something behind the eye, so that
     # the ground as a whole begins at no distance at all
     upright = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]], np.float32)
     wall = 50 * tiles_of([[1.0]]).vertices @ upright
@@ -189,8 +190,9 @@ def test_far_ground_hides_what_is_behind_it():
     )
     middle = wall.mean(axis=0) + mesh.origin
     camera = Camera(tuple(middle - [0, 20_000, 0]), tuple(middle), fov=2.0, size=(100, 100))
-    picture = draw(mesh, camera, style="lod").astype(int)
-    assert picture[50, 50, 0] > 2 * picture[50, 50, 1]
+    picture = draw(mesh, camera, style="factor").astype(int)
+    red, green, blue = picture[50, 50]
+    assert red > green > 3 * blue
 
 
 @needs_graphics
@@ -258,13 +260,6 @@ def test_picture_larger_than_the_window_may_be_doubled():
     assert picture.shape == (20, 5000, 3)
 
 
-def test_lod_ramp():
-    low, high = 1.0, 9.0
-    expected = [stop[1:] for stop in LOD_STOPS]
-    assert lod_colours([1, 3, 5, 7, 9], (low, high)) == pytest.approx(np.array(expected), abs=1e-6)
-    assert lod_colours([-5, 99], (low, high)) == pytest.approx(np.array(expected)[[0, -1]])
-
-
 def test_sun_stands_clockwise_from_north():
     assert sun_direction(90.0, 0.0) == pytest.approx([1, 0, 0], abs=1e-6)
     assert sun_direction(180.0, 30.0) == pytest.approx([0, -(0.75**0.5), 0.5], abs=1e-6)
@@ -273,13 +268,15 @@ def test_sun_stands_clockwise_from_north():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"style": "cubist"}, "expected one of shaded, plain, wireframe, lod"),
+        ({"style": "cubist"}, "expected one of shaded, plain, wireframe, lod, size, factor"),
         (
-            {"style": "lod", "factor_range": (3.0, 3.0)},
+            {"style": "factor", "factor_range": (3.0, 3.0)},
             r"factor_range that rises, got \(3.0, 3.0\)",
         ),
         ({"height_range": (5.0, -5.0)}, r"height_range that rises, got \(5.0, -5.0\)"),
         ({"sun": (float("nan"), 40.0)}, "finite sun"),
+        ({"exaggeration": 0.0}, "expected exaggeration > 0, got 0"),
+        ({"exaggeration": float("nan")}, "finite exaggeration, got nan"),
     ],
 )
 def test_bad_option_is_refused(options, message):

@@ -31,7 +31,8 @@ def test_ground_terrain_and_mesh_are_drawn_alike(tmp_path: Path) -> None:
         (tl.Terrain(ground), {"lod": tl.DistanceLod()}),
         (mesh, {"height_range": ground.height_range}),
     ):
-        picture = tl.render(what, path, camera=camera, **more)  # type: ignore[arg-type]
+        bare = {} if what is mesh else {"sky_light": False}
+        picture = tl.render(what, path, camera=camera, **more, **bare)  # type: ignore[arg-type]
         np.testing.assert_array_equal(picture, expected)
         np.testing.assert_array_equal(np.asarray(Image.open(path)), expected)
         path.unlink()
@@ -60,7 +61,13 @@ def test_a_texture_lies_over_the_ground(tmp_path: Path) -> None:
     red[..., 0] = 200
     Image.fromarray(red).save(tmp_path / "red.png")
     camera = tl.default_camera(ground, size=(160, 90))
-    found = tl.render(ground, camera=camera, texture=tmp_path / "red.png", lod=tl.UniformLod(3))
+    found = tl.render(
+        ground,
+        camera=camera,
+        texture=tmp_path / "red.png",
+        lod=tl.UniformLod(3),
+        sky_light=False,
+    )
     mesh = tl.Terrain(ground).mesh(camera, lod=tl.UniformLod(3))
     np.testing.assert_array_equal(found, draw(mesh, camera, drape=Drape(red, ground)))
 

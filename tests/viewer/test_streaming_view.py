@@ -128,7 +128,7 @@ def test_a_click_tells_of_the_mesh(store: Path) -> None:
     frame = scene.frame(asked)
     pick = frame.pick(asked.camera, 160, 100)
     assert pick is not None
-    assert [line.split()[0] for line in pick.lines()] == ["height", "patch", "factors"]
+    assert [line.split()[0] for line in pick.lines()] == ["height", "x", "patch", "factors"]
     assert frame.pick(asked.camera, 160, 199) is None  # sky
 
 
