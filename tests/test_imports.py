@@ -71,7 +71,11 @@ WRITERS = {
 # only there, so that everything else runs without them
 GUARDED = {
     "pyopencl": {"device"},
-    "rasterio": {"files.rasters.readers_gdal"},
+    "rasterio": {
+        "files.rasters.readers_gdal",
+        "files.rasters.reprojection",
+        "files.rasters.ortho",
+    },
     "xarray": {"xarray", "files.rasters.labelled"},
     "pyproj": {"tilesets.place", "tilesets.geoid"},
 }

@@ -18,10 +18,11 @@ from cyclopts import App, CycloptsError, Parameter
 from cyclopts.config import Env
 
 from ..arguments import one_of
-from ..errors import TerrainError
+from ..errors import InputError, TerrainError
 from ..ground.heightmap import Heightmap
 from ..interrupts import INTERRUPTED, end, raise_interrupts
 from ..paths import require_folder
+from .export import ExportOptions
 from .flyover import PathOptions
 from .lod_options import LodOptions, own_formulas
 from .options import (
@@ -60,6 +61,7 @@ app = App(
 )
 app.meta.suppress_keyboard_interrupt = False
 
+Crs = Annotated[str | None, Parameter(metavar="EPSG:CODE|utm")]
 Memory = Annotated[str | None, Parameter(metavar="SIZE")]
 
 
@@ -168,6 +170,7 @@ def mesh(
     *,
     output: Output,
     cull: Switch = False,
+    crs: Crs = None,
     memory: Memory = None,
     reading: GroundOptions = GroundOptions(),  # noqa: B008
     overlay: OverlayOptions = OverlayOptions(),  # noqa: B008
@@ -175,6 +178,7 @@ def mesh(
     lod: LodOptions = LodOptions(),  # noqa: B008
     meshing: VertexOptions = VertexOptions(),  # noqa: B008
     terrain: TerrainOptions = TerrainOptions(),  # noqa: B008
+    export: ExportOptions = ExportOptions(),  # noqa: B008
 ) -> None:
     """Write the mesh that a camera deserves, and say how far it is from the ground.
 
@@ -185,6 +189,9 @@ def mesh(
     cull
         Leave out patches that the camera does not see. Files are looked at from anywhere, so that
         they are whole by default.
+    crs
+        Bring the ground to this projection first, and say how far that is from its own samples;
+        utm is the zone of UTM that it lies in.
     memory
         Of a pyramid that build wrote: how much of it to hold, such as 512MB.
     """
@@ -194,22 +201,28 @@ def mesh(
 
     require_folder(output)
     one_of("mesh format", output.suffix.lower(), FORMATS)
+    export.require(output)
     chosen = lod.make(terrain.tile)
     if is_store(ground):
+        if crs is not None or not export.is_plain():
+            raise InputError(
+                f"expected a raster with --crs, --exaggeration, --drape and --solid, got the "
+                f"pyramid {ground}"
+            )
         opened = open_store(ground, memory, terrain.open())
         made = opened.mesh(view.over(opened.overview), lod=chosen, cull=cull)
         made.save(output)
         say(f"{output}: {_counts(made, opened.overview)}")
         say(str(crack_report(made)))
         return
-    heights, added = reading.load(ground), overlay.load()
+    heights, added = reading.load(ground, crs), overlay.load()
     camera = view.over(heights)
     log("%r", heights)
     made = terrain.make(heights, chosen, added).mesh(camera, lod=chosen, cull=cull, **vars(meshing))
     log("%r from %r", made, chosen)
-    made.save(output)
-    say(f"{output}: {_counts(made, heights)}")
     shown = heights if added is None else heights.with_detail(added)
+    export.save(made, shown, output)
+    say(f"{output}: {_counts(made, heights)}")
     say(f"vertical error: {vertical_error(made, shown, device=terrain.open())}")
     say(str(crack_report(made)))
 

@@ -27,8 +27,8 @@ def whole(store: Store, asked: Asked, joined: Joined) -> Mesh:
         eye = (np.array(asked.camera.eye[:2]) - [x, y]) / [dx, -dy]
         first = np.clip(np.round(eye), 0, [own.columns - 1, own.rows - 1])
     gathered = Gathered()
-    for piece, mesh, place in zip(joined.pieces, joined.meshes, joined.cut.places, strict=True):
-        gathered.add(piece, mesh, place, store.division.chunk)
+    for piece, made, place in zip(joined.pieces, joined.made, joined.cut.places, strict=True):
+        gathered.add(piece, made.mesh, place, store.division.chunk)
     places, heights, normals, triangles = gathered.arrays()
     vertices = np.empty((len(places), 3), np.float32)
     vertices[:, :2] = (places - first) * [dx, -dy]

@@ -15,11 +15,9 @@ from typing import Final
 
 import numpy as np
 
-from ..mesh.mesh import Mesh
-from ..terrain.lod import PromiseLod
-from ..terrain.lod_promises import MaxErrorLod, ScreenErrorLod
 from .cut import Cut, Place
 from .join import join
+from .made import Made
 from .piece import Piece
 from .view import Asked
 from .window import Window
@@ -44,15 +42,15 @@ class Joined:
     cut : Cut
     pieces : list of Piece
         Joined, one for each place of the cut.
-    meshes : list of Mesh
-        What they were made of.
+    made : list of Made
+        What they were before.
     rounds : int
         How often it was tried.
     """
 
     cut: Cut
     pieces: list[Piece]
-    meshes: list[Mesh]
+    made: list[Made]
     rounds: int
 
     @property
@@ -65,11 +63,19 @@ class Joined:
         """The largest error of a patch as a part of what it is allowed."""
         return max(map(_used, self.pieces), default=0.0)
 
+    def seen(self, asked: Asked) -> dict[Place, Made]:
+        """Return the chunks that do for another view as they are."""
+        found = {
+            place: made.seen(asked) for place, made in zip(self.cut.places, self.made, strict=True)
+        }
+        return {place: made for place, made in found.items() if made is not None}
+
 
 def keep(
     asked: Asked,
     cut_with: Callable[[frozenset[Place]], Cut],
     window: Callable[[Place], Window],
+    before: Joined | None,
 ) -> Joined:
     """Cut, mesh and join until what is asked holds, or nothing more can be done.
 
@@ -80,47 +86,39 @@ def keep(
         Returns the cut with these chunks split.
     window : callable
         Returns a chunk.
+    before : Joined or None
+        The last view; what of it does for this one is not made again.
     """
-    shares: dict[Place, float] = {}
-    made: dict[tuple[Place, float], tuple[Piece, Mesh]] = {}
+    made = {} if before is None else before.seen(asked)
+    shares = {place: known.share for place, known in made.items()}
     finer: frozenset[Place] = frozenset()
     for rounds in range(1, _MOST_ROUNDS + 1):  # noqa: B007
         cut = cut_with(finer)
         for place in cut.places:
             shares.setdefault(place, _FIRST_SHARE if place[0] else _FINEST_SHARE)
-        wanted = [(place, shares[place]) for place in cut.places]
-        made = {
-            (place, share): made.get((place, share))
-            or window(place).piece(asked, _part_of(asked, share))
-            for place, share in wanted
-        }
-        meshes = [made[key][1] for key in wanted]
+        for place in cut.places:
+            if place not in made or made[place].share != shares[place]:
+                made[place] = window(place).made(asked, shares[place])
+        used = [made[place] for place in cut.places]
         pieces = [
-            window(place).measured(piece, mesh)
-            for place, piece, mesh in zip(
-                cut.places, join([made[key][0] for key in wanted]), meshes, strict=True
+            window(place).measured(piece, known.mesh)
+            for place, piece, known in zip(
+                cut.places, join([known.piece for known in used]), used, strict=True
             )
         ]
-        before, split = dict(shares), set(finer)
-        for place, used in zip(cut.places, map(_used, pieces), strict=True):
-            if used <= 1.0:
+        shares_before, split = dict(shares), set(finer)
+        for place, exceeds in zip(cut.places, map(_used, pieces), strict=True):
+            if exceeds <= 1.0:
                 continue
-            less = shares[place] * _LESS / min(used, 2.0)
+            less = shares[place] * _LESS / min(exceeds, 2.0)
             if less >= _LEAST_SHARE:
                 shares[place] = less
             elif place[0] > 0 and cut.is_enough:
                 split.add(place)
-        if before == shares and split == set(finer):
+        if shares_before == shares and split == set(finer):
             break
         finer = frozenset(split)
-    return Joined(cut, pieces, meshes, rounds)
-
-
-def _part_of(asked: Asked, share: float) -> PromiseLod:
-    """Return a part of the error that is asked for, as a level of detail."""
-    if asked.camera is not None and not np.isinf(asked.pixels):
-        return ScreenErrorLod(pixels=asked.pixels * share)
-    return MaxErrorLod(metres=asked.metres * share)
+    return Joined(cut, pieces, used, rounds)
 
 
 def _used(piece: Piece) -> float:

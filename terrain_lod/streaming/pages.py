@@ -100,15 +100,6 @@ class Pages:
                 if not any(place in those for those in known):
                     self._coming[place] = self._reader.submit(self._bring, place)
 
-    def forget(self) -> None:
-        """Hold nothing, for the store has changed."""
-        with self._lock:
-            for coming in self._coming.values():
-                coming.cancel()
-            self._coming.clear()
-            self._held.clear()
-            self.damaged.clear()
-
     def _read(self, place: Place) -> Window:
         return Window.of(self._store, place, self._device)
 

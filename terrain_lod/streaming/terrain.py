@@ -16,13 +16,15 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from ..arguments import array
 from ..camera.camera import Camera
 from ..device.device import Device
 from ..errors import InputError
-from ..ground.heightmap import Heightmap
+from ..ground.heightmap import Heightmap, within
 from ..mesh.hits import Hits, checked_points, checked_rays
 from ..mesh.mesh import Mesh
 from ..pyramid.store import Store
+from ..pyramid.update import update
 from ..terrain.lod import PromiseLod
 from ..terrain.lod_promises import MaxErrorLod, ScreenErrorLod
 from .cut import Chunks, Cut, Place, with_above
@@ -84,12 +86,18 @@ class StreamingTerrain:
     def __init__(
         self, store: Store, *, memory: int | str | None = None, device: Device | None = None
     ) -> None:
-        self.store, self.device = store, device or Device.open()
-        self.memory = bytes_of(memory)
-        self._chunks, self._pages = Chunks(store), Pages(store, self.device, self.memory)
+        self.device, self.memory = device or Device.open(), bytes_of(memory)
         self._meshing = threading.Lock()
+        self._hold(store)
+
+    def _hold(self, store: Store) -> None:
+        """Begin with a store of which nothing is held."""
+        self.store = store
+        self._chunks, self._pages = Chunks(store), Pages(store, self.device, self.memory)
         self._before: Camera | None = None
+        self._joined: Joined | None = None
         self.missing: tuple[Place, ...] = ()
+        vars(self).pop("overview", None)
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -205,6 +213,35 @@ class StreamingTerrain:
                 found[these] = self._pages.get((0, row, column)).terrain.height_at(points[these])
         return found
 
+    def update(self, rows: slice, columns: slice, heights: npt.ArrayLike) -> None:
+        """Replace samples in the store, all that is known of them, and what is held.
+
+        The store is then as if it had been built of the new ground, but that it is not its source's
+        any more. Where this is cut off it has to be built anew. Not while other threads ask.
+
+        Parameters
+        ----------
+        rows, columns : slice
+            Which samples: within the raster, without a step.
+        heights : array_like of these samples, any real dtype
+            Elevations in the world. NaN and masked elements are nodata from now on.
+
+        Raises
+        ------
+        InputError
+            If the slices reach out of the raster, the shape is another, heights are infinite, or
+            no data would be left.
+        FileError
+            If the store cannot be written, or another process is at work on it.
+        """
+        part = within("rows", rows, self.shape[0]), within("columns", columns, self.shape[1])
+        shape = tuple(piece.stop - piece.start for piece in part)
+        hole = np.broadcast_to(np.ma.getmaskarray(np.ma.asarray(heights)), np.shape(heights))
+        values = array("heights", heights, shape, None, is_finite=False).astype(np.float64)
+        values[hole] = np.nan
+        with self._meshing:
+            self._hold(update(self.store, *part, values))
+
     def ground_near(self, x: float, y: float) -> Heightmap:
         """Return the finest ground that is held around a point, or the nearest. Reads nothing.
 
@@ -240,6 +277,7 @@ class StreamingTerrain:
                 asked,
                 lambda finer: self._chunks.cut(asked, self._pages.most, finer=finer),
                 self._pages.get,
+                self._joined,
             )
         else:
             self._pages.get(self._chunks.root)
@@ -250,9 +288,9 @@ class StreamingTerrain:
                 wanted = self._chunks.cut(asked, self._pages.most, finer=finer)
                 return self._chunks.at_hand(wanted, held)
 
-            found = keep(asked, cut, held.__getitem__)
+            found = keep(asked, cut, held.__getitem__, self._joined)
             self._pages.ahead(found.cut.missing)
-        damaged = self._pages.damaged
+        self._joined, damaged = found, self._pages.damaged
         self.missing = tuple(place for place in found.cut.missing if place not in damaged)
         return found
 

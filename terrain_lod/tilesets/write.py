@@ -24,7 +24,7 @@ from .job import Job
 from .journal import Journal, Record
 from .mapped import MappedGround
 from .mapping import mapped_ground
-from .plan import planned
+from .plan import planned, require_options
 from .schemes import Tile
 from .terrain_rgb import write_picture, write_tilejson
 from .tileset import write_tileset, write_tileset_tile
@@ -197,6 +197,7 @@ def write_tiles(
         If the CRS or the geoid needs pyproj.
     """
     one_of("format", format, FORMATS)
+    require_options(format, error, zoom, scheme, tiling, borders)
     folder = Path(folder)
     above = None if geoid == ELLIPSOID else Geoid.called(geoid)
     with _prepared(ground, folder, crs, above) as prepared:

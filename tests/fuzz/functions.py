@@ -328,7 +328,8 @@ class Bench:
             "points": np.uint32([[65536, 0], [0, 65536], [0, 0], [0, 0]]),
             "point_offsets": np.int64([0, 2, 4])}, use=lambda mesh: _use_mesh(mesh)
             + repr(mesh.interpolate(np.ones(4))))  # fmt: skip
-        yield Call("Mesh.save", quad.save, {"path": folder / "saved.obj"})
+        yield Call("Mesh.save", quad.save, {
+            "path": folder / "saved.obj", "picture": np.zeros((2, 2, 3), np.uint8)})  # fmt: skip
         yield Call("Mesh.to_pyvista", lambda: quad.to_pyvista().n_points, {})
         yield Call("CurvedMesh.save", tl.pn_triangles(quad).save, {"path": folder / "saved.vtp"})
         yield Call("CurvedMesh.to_pyvista", lambda: tl.pn_triangles(quad).to_pyvista().n_points, {})

@@ -59,6 +59,27 @@ def test_holes_in_what_is_mapped_are_refused(tmp_path):
     assert os.listdir(tmp_path) == []
 
 
+class Unread:
+    """An array that nobody may read before the options are known to be right."""
+
+    shape, dtype = (50, 60), np.dtype(np.float32)
+
+    def __getitem__(self, part):
+        raise AssertionError("was read")
+
+
+def test_options_are_refused_before_the_ground_is_read(tmp_path):
+    for options, line in (
+        ({"borders": "walls"}, "unknown borders"),
+        ({"zoom": 40}, "from 0 to 22 for zoom"),
+        ({"geoid": "egm1"}, "for geoid"),
+        ({"crs": None}, "says where on the Earth it is"),
+    ):
+        with pytest.raises(tl.InputError, match=line):
+            tl.write_tiles(Unread(), tmp_path / "tiles", **{"crs": "EPSG:4326", **options})
+    assert os.listdir(tmp_path) == []
+
+
 def grid_file(path, west, south, step, heights):
     """Write a geoid's grid in the format GTX: big-endian, rows from the south."""
     header = struct.pack(">4d2i", south, west, step, step, *heights.shape)

@@ -5,7 +5,7 @@
     header      "glTF", 2, bytes in all
     JSON chunk  node (rotation, translation, extras) -> mesh -> accessors -> views of the buffer
     BIN chunk   positions (V, 3) float32 | normals (V, 3) float32 | corners (T, 3) uint32
-                | texture coordinates (V, 2) float32, where there are any
+                | texture coordinates (V, 2) float32, where there are any | a JPEG, likewise
 
 glTF is y-up: its viewers want x right, y up, z towards the eye. The vertices stay as they are, z up
 and relative to the mesh's origin; the node turns them by -90 degrees about x and carries the
@@ -37,13 +37,13 @@ _LARGEST: Final = 2**32 - 1
 
 # numbers of the specification
 _FLOAT, _UNSIGNED_INT = 5126, 5125
-_VERTEX_DATA, _INDEX_DATA = 34962, 34963
+_VERTEX_DATA, _INDEX_DATA, _CLAMPED = 34962, 34963, 33071
 # -90 degrees about x, as a quaternion x, y, z, w
 _Z_UP_TO_Y_UP: Final = [-(0.5**0.5), 0.0, 0.0, 0.5**0.5]
 
 
-def write_glb(mesh: Mesh, path: Path) -> None:
-    """Write a mesh with at least one triangle.
+def write_glb(mesh: Mesh, path: Path, picture: bytes | None = None) -> None:
+    """Write a mesh with at least one triangle, and the JPEG that lies over it.
 
     Raises
     ------
@@ -57,7 +57,11 @@ def write_glb(mesh: Mesh, path: Path) -> None:
     ]
     if mesh.textures is not None:
         views.append(np.ascontiguousarray(textures_upside_down(mesh.textures), "<f4"))
-    text = json.dumps(_document(mesh, views), separators=(",", ":"), allow_nan=False).encode()
+    if picture is not None:
+        views.append(np.frombuffer(picture + b"\0" * (-len(picture) % 4), np.uint8))
+    text = json.dumps(
+        _document(mesh, views, picture), separators=(",", ":"), allow_nan=False
+    ).encode()
     text += b" " * (-len(text) % 4)
     size = sum(view.nbytes for view in views)
     total = _HEADER.size + 2 * _CHUNK.size + len(text) + size
@@ -92,7 +96,7 @@ def _unit(normals: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
     return unit
 
 
-def _document(mesh: Mesh, views: list[npt.NDArray[Any]]) -> dict[str, Any]:
+def _document(mesh: Mesh, views: list[npt.NDArray[Any]], picture: bytes | None) -> dict[str, Any]:
     """Return the JSON chunk's content."""
     x, y, z = (float(value) for value in mesh.origin)
     extras = {"origin": [x, y, z], "axes": "vertices: x east, y north, z up, relative to origin"}
@@ -109,7 +113,19 @@ def _document(mesh: Mesh, views: list[npt.NDArray[Any]]) -> dict[str, Any]:
     if mesh.textures is not None:
         attributes["TEXCOORD_0"] = 3
     primitive = {"attributes": attributes, "indices": 2, "material": 0}
-    matt = {"baseColorFactor": [0.8, 0.8, 0.8, 1.0], "metallicFactor": 0.0, "roughnessFactor": 1.0}
+    matt: dict[str, Any] = {
+        "baseColorFactor": [0.8, 0.8, 0.8, 1.0],
+        "metallicFactor": 0.0,
+        "roughnessFactor": 1.0,
+    }
+    shown: dict[str, Any] = {}
+    if picture is not None:
+        matt |= {"baseColorFactor": [1.0, 1.0, 1.0, 1.0], "baseColorTexture": {"index": 0}}
+        shown = {
+            "images": [{"bufferView": len(views) - 1, "mimeType": "image/jpeg"}],
+            "samplers": [{"wrapS": _CLAMPED, "wrapT": _CLAMPED}],
+            "textures": [{"source": 0, "sampler": 0}],
+        }
     return {
         "asset": {"version": "2.0", "generator": GENERATOR},
         "scene": 0,
@@ -117,8 +133,9 @@ def _document(mesh: Mesh, views: list[npt.NDArray[Any]]) -> dict[str, Any]:
         "nodes": [node],
         "meshes": [{"name": "terrain", "primitives": [primitive]}],
         "materials": [{"name": "matt", "pbrMetallicRoughness": matt}],
-        "accessors": _accessors(*views),
-        "bufferViews": _buffer_views(views),
+        **shown,
+        "accessors": _accessors(*views[: len(views) - (picture is not None)]),
+        "bufferViews": _buffer_views(views, picture),
         "buffers": [{"byteLength": sum(view.nbytes for view in views)}],
     }
 
@@ -147,10 +164,14 @@ def _accessors(
     ]
 
 
-def _buffer_views(views: list[npt.NDArray[Any]]) -> list[dict[str, int]]:
-    targets = (_VERTEX_DATA, _VERTEX_DATA, _INDEX_DATA, _VERTEX_DATA)
+def _buffer_views(views: list[npt.NDArray[Any]], picture: bytes | None) -> list[dict[str, int]]:
+    targets = (_VERTEX_DATA, _VERTEX_DATA, _INDEX_DATA, _VERTEX_DATA, _VERTEX_DATA)
     offsets = np.cumsum([0, *(view.nbytes for view in views)]).tolist()
-    return [
+    described = [
         {"buffer": 0, "byteOffset": offset, "byteLength": view.nbytes, "target": target}
         for view, offset, target in zip(views, offsets, targets, strict=False)
     ]
+    if picture is not None:  # no vertices
+        described[-1].pop("target")
+        described[-1]["byteLength"] = len(picture)
+    return described
