@@ -25,11 +25,14 @@ _CONTENTS: Final = {
     "maps": "ground, detail and error from above",
     "lod_distance": "detail, distance LOD",
     "lod_coplanarity": "detail, coplanarity LOD",
-    "wireframe_distance": "triangles, distance LOD",
-    "wireframe_coplanarity": "triangles, coplanarity LOD",
+    "lod_screen-error": "detail, screen-error LOD",
+    "close_distance": "single triangles, distance LOD",
+    "close_coplanarity": "single triangles, coplanarity LOD",
+    "close_screen-error": "single triangles, screen-error LOD",
     "shaded_distance": "picture, distance LOD",
     "shaded_coplanarity": "picture, coplanarity LOD",
-    "difference": "difference of the two pictures",
+    "shaded_screen-error": "picture, screen-error LOD",
+    "difference": "difference of the first two pictures",
 }
 
 

@@ -104,10 +104,8 @@ class Page:
 
 
 @contextmanager
-def opened(site: Site) -> Iterator[Page]:
-    """Serve a site and open it in Chromium."""
-    server = server_of(site)
-    threading.Thread(target=server.serve_forever, daemon=True).start()
+def chromium() -> Iterator[webdriver.Chrome]:
+    """Start Chromium, and end it."""
     options = webdriver.ChromeOptions()
     options.binary_location = shutil.which("chromium") or ""
     for flag in FLAGS:
@@ -116,10 +114,21 @@ def opened(site: Site) -> Iterator[Page]:
     driver = webdriver.Chrome(options, Service(shutil.which("chromedriver")))
     try:
         driver.set_script_timeout(180)
-        address = f"http://{HOST}:{server.server_address[1]}/"
-        driver.get(address)
-        yield Page(driver, address)
+        yield driver
     finally:
         driver.quit()
+
+
+@contextmanager
+def opened(site: Site) -> Iterator[Page]:
+    """Serve a site and open it in Chromium."""
+    server = server_of(site)
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    try:
+        with chromium() as driver:
+            address = f"http://{HOST}:{server.server_address[1]}/"
+            driver.get(address)
+            yield Page(driver, address)
+    finally:
         server.shutdown()
         server.server_close()
