@@ -28,7 +28,10 @@ import numpy.typing as npt
 import terrain_lod as tl
 from terrain_lod.pyramid.build import worker_bytes
 from terrain_lod.pyramid.division import Division
-from terrain_lod.pyramid.region import Region, into_chunks
+from terrain_lod.pyramid.levels import write_region
+from terrain_lod.pyramid.region import Region
+from terrain_lod.pyramid.store import Description, Store
+from terrain_lod.sources.opening import source_of
 
 SPACING = 30.0
 STEP = 1 / 16
@@ -216,7 +219,7 @@ def flight(folder: Path, store: Path | None, side: int, frames: int, memory: str
         if frame % 2 == 0:
             windows += 1
             cracks += tl.crack_report(mesh).cracks
-            worst = max(worst, outside(mesh, waves, camera, x))
+            worst = max(worst, outside(mesh, waves, camera, terrain.origin))
     print(f"{waves.shape[0]:,} x {waves.shape[1]:,} samples, {frames} frames at one pixel, 1920 x "
           f"1080, {ways[1] - ways[0]:,.0f} m apart, memory {memory}")  # fmt: skip
     print(f"kept {kept} of {frames}; on {windows} of them, in windows of the source: {worst:.3f} "
@@ -251,40 +254,61 @@ def warm(terrain: tl.StreamingTerrain, waves: Waves, x: float, y: float) -> None
               f"{len(in_memory.triangles):,} triangles")  # fmt: skip
 
 
-def outside(mesh: tl.Mesh, waves: Waves, camera: tl.Camera, x: float) -> float:
+def outside(
+    mesh: tl.Mesh, waves: Waves, camera: tl.Camera, origin: tuple[float, float, float]
+) -> float:
     """Return the largest error in pixels in a window of the source around the eye."""
-    size = 1500
-    column = int(np.clip(x / SPACING, 0, waves.shape[1] - size))
-    row = int(np.clip(-camera.eye[1] / SPACING - size / 2, 0, waves.shape[0] - size))
+    size, (x, y, _) = 1500, camera.eye
+    # a raster's first sample is the middle of its first pixel
+    column = int(np.clip((x - origin[0]) / SPACING, 0, waves.shape[1] - size))
+    row = int(np.clip((origin[1] - y) / SPACING - size / 2, 0, waves.shape[0] - size))
     window = waves[row : row + size, column : column + size]
-    ground = tl.Heightmap(window, spacing=SPACING, origin=(column * SPACING, -row * SPACING))
+    place = origin[0] + column * SPACING, origin[1] - row * SPACING
+    ground = tl.Heightmap(window, spacing=SPACING, origin=place)
     return tl.screen_error(mesh, ground, camera).maximum
 
 
 def virtual(folder: Path, side: int, regions: int) -> None:
     """Build a sample of the regions of a raster that is stored nowhere, and reckon the whole."""
     division, waves = Division(side, side), Waves(side, side)
-    count = division.regions[0] * division.regions[1]
-    times: dict[str, list[float]] = {"heights": [], "errors": [], "chunks": []}
+    count, source = division.regions[0] * division.regions[1], source_of(waves, spacing=SPACING)
+    reading = source.reading
+    own = Description(side, side, division.chunk, 0.0, reading.spacing, reading.origin,
+                      reading.crs, reading.units, reading.name, source.fingerprint())  # fmt: skip
+    store = Store(folder / "waves.tlod", own)
+    store.make()
+    times: dict[str, list[float]] = {"heights": [], "errors": [], "build": []}
     for place in random.Random(3).sample(list(np.ndindex(division.regions)), regions):
-        began = time.perf_counter()
+        began = time.process_time()
         heights = waves[division.region_slices(*place)]
-        read = time.perf_counter()
-        region = Region(division, heights)
-        region.nodes()
-        judged = time.perf_counter()
-        for level in division.fine:
-            into_chunks(region.lattice(level), division.chunk)
+        read = time.process_time()
+        Region(division, heights).nodes()
+        judged = time.process_time()
+        write_region(store, place, heights)
         for name, seconds in zip(
-            times, (read - began, judged - read, time.perf_counter() - judged), strict=True
+            times, (read - began, judged - read, time.process_time() - judged), strict=True
         ):
             times[name].append(seconds)
+    samples = regions * division.region**2
     print(f"{side:,}² = {side**2 / 1e9:.1f} gigasamples, {count} regions, "
-          f"{len(division.levels)} levels; {regions} regions sampled")  # fmt: skip
+          f"{len(division.levels)} levels; {regions} regions built and written")  # fmt: skip
     for name, seconds in times.items():
-        print(f"  {name}: {np.mean(seconds):.2f} s a region, {np.mean(seconds) * count / 3600:.2f} "
-              "hours of one worker for all")  # fmt: skip
-    print(f"  a worker takes at most {worker_bytes(division) / 1e9:.2f} GB")
+        print(f"  {name}: {np.mean(seconds):.2f} s of CPU a region, "
+              f"{division.region**2 / np.mean(seconds) / 1e6:.1f} million samples a second, "
+              f"{np.mean(seconds) * count / 3600:.2f} hours of one worker for all")  # fmt: skip
+
+    def held(*folders: str) -> int:
+        files = (file for name in folders for file in (store.path / name).rglob("c/**/*"))
+        return sum(file.stat().st_size for file in files if file.is_file())
+
+    levels = {level: held(*(f"{name}/{level}" for name in ("heights", "errors", "ranges")))
+              for level in division.fine}  # fmt: skip
+    print("  bytes a sample of the source: "
+          + ", ".join(f"level {level} {size / samples:.3f}" for level, size in levels.items())
+          + f"; handed up to coarser levels {held('regions') / samples:.4f}")  # fmt: skip
+    whole = (sum(levels.values()) + held("regions")) / samples * side**2
+    print(f"  {whole / 1e9:.1f} GB for all; a worker takes at most "
+          f"{worker_bytes(division) / 1e9:.2f} GB")  # fmt: skip
 
 
 def main() -> None:
