@@ -12,13 +12,13 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from math import isfinite
 from pathlib import Path
-from typing import Annotated, Any, Final, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 
 from cyclopts import App, CycloptsError, Parameter
 from cyclopts.config import Env
 
 from ..arguments import one_of
-from ..errors import TerrainError
+from ..errors import InputError, TerrainError
 from ..ground.heightmap import Heightmap
 from ..interrupts import INTERRUPTED, end, raise_interrupts
 from ..paths import require_folder
@@ -43,6 +43,10 @@ from .report import report
 from .smooth import smooth
 from .tiles import serve, tiles
 from .view import view
+
+if TYPE_CHECKING:
+    from ..device.device import Device
+    from ..mesh.mesh import Mesh
 
 REFUSED: Final = 2
 
@@ -168,6 +172,7 @@ def mesh(
     *,
     output: Output,
     cull: Switch = False,
+    normal_map: Switch = False,
     memory: Memory = None,
     reading: GroundOptions = GroundOptions(),  # noqa: B008
     overlay: OverlayOptions = OverlayOptions(),  # noqa: B008
@@ -185,15 +190,23 @@ def mesh(
     cull
         Leave out patches that the camera does not see. Files are looked at from anywhere, so that
         they are whole by default.
+    normal_map
+        Bake the normals of the whole ground into a normal map, which a .glb holds.
     memory
         Of a pyramid that build wrote: how much of it to hold, such as 512MB.
     """
     from ..files.meshes.export import FORMATS
     from ..measure.cracks import crack_report
     from ..measure.error import vertical_error
+    from ..mesh.bake import bake_normals
 
     require_folder(output)
     one_of("mesh format", output.suffix.lower(), FORMATS)
+    if normal_map and (output.suffix.lower() != ".glb" or is_store(ground)):
+        raise InputError(
+            f"expected a raster and a name that ends in .glb with --normal-map, got {ground} and "
+            f"{output.name}"
+        )
     chosen = lod.make(terrain.tile)
     if is_store(ground):
         opened = open_store(ground, memory, terrain.open())
@@ -207,6 +220,8 @@ def mesh(
     log("%r", heights)
     made = terrain.make(heights, chosen, added).mesh(camera, lod=chosen, cull=cull, **vars(meshing))
     log("%r from %r", made, chosen)
+    if normal_map:
+        made = bake_normals(made, _whole(heights, added, terrain.open()), device=terrain.open())
     made.save(output)
     say(f"{output}: {_counts(made, heights)}")
     shown = heights if added is None else heights.with_detail(added)
@@ -246,6 +261,15 @@ app.command(build, sort_key=10)
 app.command(info, sort_key=11)
 app.command(tiles, sort_key=12)
 app.command(serve, sort_key=13)
+
+
+def _whole(ground: Heightmap, detail: Heightmap | None, device: Device) -> Mesh:
+    """Return the mesh of every sample."""
+    from ..terrain.lod_formulas import UniformLod
+    from ..terrain.terrain import Terrain
+
+    terrain = Terrain(ground, detail=detail, tile=16, levels=1, device=device)
+    return terrain.mesh(lod=UniformLod(16), partitioning="integer", cull=False)
 
 
 def _counts(mesh: Any, ground: Heightmap) -> str:

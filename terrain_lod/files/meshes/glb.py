@@ -6,6 +6,7 @@
     JSON chunk  node (rotation, translation, extras) -> mesh -> accessors -> views of the buffer
     BIN chunk   positions (V, 3) float32 | normals (V, 3) float32 | corners (T, 3) uint32
                 | texture coordinates (V, 2) float32, where there are any
+                | tangents (V, 4) float32 | a PNG, where there is a normal map
 
 glTF is y-up: its viewers want x right, y up, z towards the eye. The vertices stay as they are, z up
 and relative to the mesh's origin; the node turns them by -90 degrees about x and carries the
@@ -19,11 +20,14 @@ from __future__ import annotations
 
 import json
 import struct
+from io import BytesIO
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
+from PIL import Image
 
 from ...errors import InputError
 from ...mesh.mesh import Mesh
@@ -38,6 +42,7 @@ _LARGEST: Final = 2**32 - 1
 # numbers of the specification
 _FLOAT, _UNSIGNED_INT = 5126, 5125
 _VERTEX_DATA, _INDEX_DATA = 34962, 34963
+_LINEAR, _CLAMP = 9729, 33071
 # -90 degrees about x, as a quaternion x, y, z, w
 _Z_UP_TO_Y_UP: Final = [-(0.5**0.5), 0.0, 0.0, 0.5**0.5]
 
@@ -57,6 +62,9 @@ def write_glb(mesh: Mesh, path: Path) -> None:
     ]
     if mesh.textures is not None:
         views.append(np.ascontiguousarray(textures_upside_down(mesh.textures), "<f4"))
+    if mesh.normal_map is not None:
+        views.append(np.ascontiguousarray(mesh.normal_map.tangents, "<f4"))
+        views.append(_png(mesh.normal_map.pixels))
     text = json.dumps(_document(mesh, views), separators=(",", ":"), allow_nan=False).encode()
     text += b" " * (-len(text) % 4)
     size = sum(view.nbytes for view in views)
@@ -78,6 +86,13 @@ def textures_upside_down(textures: npt.NDArray[np.float32]) -> npt.NDArray[np.fl
     """Return texture coordinates with v counted from the other end."""
     u, v = textures.T
     return np.stack([u, 1 - v], axis=1)
+
+
+def _png(pixels: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
+    """Return a PNG's bytes, padded to a multiple of 4 behind its end."""
+    file = BytesIO()
+    Image.fromarray(pixels).save(file, format="png")
+    return np.frombuffer(file.getvalue() + b"\0" * (-file.tell() % 4), np.uint8)
 
 
 def _unit(normals: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
@@ -110,14 +125,25 @@ def _document(mesh: Mesh, views: list[npt.NDArray[Any]]) -> dict[str, Any]:
         attributes["TEXCOORD_0"] = 3
     primitive = {"attributes": attributes, "indices": 2, "material": 0}
     matt = {"baseColorFactor": [0.8, 0.8, 0.8, 1.0], "metallicFactor": 0.0, "roughnessFactor": 1.0}
+    material: dict[str, Any] = {"name": "matt", "pbrMetallicRoughness": matt}
+    pictures: dict[str, Any] = {}
+    if mesh.normal_map is not None:
+        attributes["TANGENT"] = 4
+        material["normalTexture"] = {"index": 0}
+        pictures = {
+            "images": [{"bufferView": 5, "mimeType": "image/png"}],
+            "samplers": [{"magFilter": _LINEAR, "wrapS": _CLAMP, "wrapT": _CLAMP}],
+            "textures": [{"sampler": 0, "source": 0}],
+        }
     return {
         "asset": {"version": "2.0", "generator": GENERATOR},
         "scene": 0,
         "scenes": [{"nodes": [0]}],
         "nodes": [node],
         "meshes": [{"name": "terrain", "primitives": [primitive]}],
-        "materials": [{"name": "matt", "pbrMetallicRoughness": matt}],
-        "accessors": _accessors(*views),
+        "materials": [material],
+        **pictures,
+        "accessors": _accessors(*views[:5]),
         "bufferViews": _buffer_views(views),
         "buffers": [{"byteLength": sum(view.nbytes for view in views)}],
     }
@@ -127,7 +153,7 @@ def _accessors(
     positions: npt.NDArray[Any],
     normals: npt.NDArray[Any],
     corners: npt.NDArray[Any],
-    *textures: npt.NDArray[Any],
+    *more: npt.NDArray[Any],
 ) -> list[dict[str, Any]]:
     bounds = {"min": positions.min(axis=0).tolist(), "max": positions.max(axis=0).tolist()}
     vectors = {"componentType": _FLOAT, "type": "VEC3"}
@@ -141,16 +167,18 @@ def _accessors(
             "type": "SCALAR",
         },
         *(
-            {"bufferView": 3, "count": len(pairs), "componentType": _FLOAT, "type": "VEC2"}
-            for pairs in textures
+            {"bufferView": view, "count": len(rows), "componentType": _FLOAT, "type": kind}
+            for view, rows, kind in zip((3, 4), more, ("VEC2", "VEC4"), strict=False)
         ),
     ]
 
 
 def _buffer_views(views: list[npt.NDArray[Any]]) -> list[dict[str, int]]:
-    targets = (_VERTEX_DATA, _VERTEX_DATA, _INDEX_DATA, _VERTEX_DATA)
+    targets = (_VERTEX_DATA, _VERTEX_DATA, _INDEX_DATA, _VERTEX_DATA, _VERTEX_DATA)
     offsets = np.cumsum([0, *(view.nbytes for view in views)]).tolist()
-    return [
-        {"buffer": 0, "byteOffset": offset, "byteLength": view.nbytes, "target": target}
-        for view, offset, target in zip(views, offsets, targets, strict=False)
-    ]
+    described: list[dict[str, int]] = []
+    for view, offset, target in zip_longest(views, offsets[:-1], targets[: len(views)]):
+        described.append({"buffer": 0, "byteOffset": offset, "byteLength": view.nbytes})
+        if target is not None:  # a picture has none
+            described[-1]["target"] = target
+    return described
