@@ -1,5 +1,5 @@
-"""The command line: demo, render, mesh, report, view, build, info, tiles, serve, smooth, pattern,
-samples, doctor.
+"""The command line: demo, render, mesh, report, view, build, info, tiles, serve, smooth, surface,
+pattern, samples, doctor.
 
 Exit codes: 0 done, 2 refused with one line on stderr, 130 interrupted.
 """
@@ -41,6 +41,7 @@ from .pattern import pattern
 from .pyramid import build, info, is_store, open_store
 from .report import report
 from .smooth import smooth
+from .surface import surface
 from .tiles import serve, tiles
 from .view import view
 
@@ -261,6 +262,7 @@ app.command(build, sort_key=10)
 app.command(info, sort_key=11)
 app.command(tiles, sort_key=12)
 app.command(serve, sort_key=13)
+app.command(surface, sort_key=14)
 
 
 def _whole(ground: Heightmap, detail: Heightmap | None, device: Device) -> Mesh:
