@@ -1,6 +1,6 @@
 """Ground larger than memory: what building a pyramid takes, and what flying over it holds.
 
-    python benchmarks/pyramid.py build --largest 0.4        # gigasamples; 1.6 are 6.4 GB of disk
+    python benchmarks/pyramid.py build --largest 0.4        # of 0.1, 0.4 and 1.6 gigasamples
     python benchmarks/pyramid.py killed --times 50
     python benchmarks/pyramid.py flight --side 10000 --frames 50
     python benchmarks/pyramid.py virtual --side 100000 --regions 4
@@ -14,7 +14,6 @@ from __future__ import annotations
 import argparse
 import os
 import random
-import resource
 import shutil
 import signal
 import subprocess
@@ -32,6 +31,7 @@ from terrain_lod.pyramid.division import Division
 from terrain_lod.pyramid.region import Region, into_chunks
 
 SPACING = 30.0
+STEP = 1 / 16
 WAVES = 40
 
 
@@ -64,6 +64,9 @@ class Waves:
         ) @ np.cos(across).T.astype(np.float32) + (np.cos(down) * self.heights).astype(
             np.float32
         ) @ np.sin(across).T.astype(np.float32)
+        # as data have it: no codec could pack what is noise below that
+        np.round(heights / STEP, out=heights)
+        heights *= STEP
         return heights
 
 
@@ -82,14 +85,14 @@ def write_tiff(path: Path, side: int) -> None:
 
 
 def read_once(path: Path) -> float:
-    """Return the seconds that reading a raster through rasterio takes, block row by block row."""
+    """Return the seconds of CPU that reading a raster through rasterio takes, by rows of blocks."""
     import rasterio
 
-    began = time.perf_counter()
+    began = time.process_time()
     with rasterio.open(path) as file:
         for row in range(0, file.height, 512):
             file.read(1, window=((row, min(row + 512, file.height)), (0, file.width)))
-    return time.perf_counter() - began
+    return time.process_time() - began
 
 
 def child(*arguments: str) -> dict[str, float]:
@@ -99,41 +102,52 @@ def child(*arguments: str) -> dict[str, float]:
     return {name: float(value) for name, value in (line.split("=") for line in text.split())}
 
 
+def resident(line: str) -> float:
+    """Return bytes of this process alone: VmRSS now, VmHWM at most. Linux."""
+    # getrusage has those of the process that started this one, too
+    text = Path("/proc/self/status").read_text()
+    return 1024 * float(next(row for row in text.splitlines() if row.startswith(line)).split()[1])
+
+
 def measured_build(source: str, store: str) -> None:
-    """Print seconds and peak memory of a build in this process alone."""
-    began = time.perf_counter()
+    """Print seconds, those of CPU too, and peak memory of a build in this process alone."""
+    began, cpu = time.perf_counter(), time.process_time()
     tl.build(source, store)
-    seconds = time.perf_counter() - began
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
-    print(f"seconds={seconds} peak={peak}")
+    seconds, cpu = time.perf_counter() - began, time.process_time() - cpu
+    print(f"seconds={seconds} cpu={cpu} peak={resident('VmHWM')}")
 
 
-def ladder_seconds(side: int) -> float:
-    """Return the seconds that measuring all errors of so large a raster takes, without files."""
+def errors_seconds(side: int) -> float:
+    """Return the seconds of CPU that measuring all errors of a raster takes, by its largest region.
+
+    Regions are alike, and all work is done in this process alone.
+    """
     division = Division(side, side)
-    place = division.region_slices(0, 0)
-    heights = Waves(side, side)[place]
-    began = time.perf_counter()
+    heights = Waves(side, side)[division.region_slices(0, 0)]
+    began = time.process_time()
     Region(division, heights).nodes()
-    return (time.perf_counter() - began) * side**2 / heights.size
+    return (time.process_time() - began) * side**2 / heights.size
 
 
 def build(folder: Path, largest: float) -> None:
-    print("gigasamples | rasterio reads | errors alone | build | s a gigasample | "
-          "(build - errors) / read | peak | said before | bytes a sample")  # fmt: skip
-    for share in (1 / 16, 1 / 4, 1.0):
-        side = int(np.sqrt(share * largest * 1e9))
+    print("gigasamples | rasterio reads | errors alone | build | on the clock | "
+          "CPU s a gigasample | build / (read + errors) | peak | said before | "
+          "bytes a sample")  # fmt: skip
+    for giga in (0.1, 0.4, 1.6):
+        if giga > largest:
+            break
+        side = int(np.sqrt(giga * 1e9))
         source, store = folder / "waves.tif", folder / "waves.tlod"
         write_tiff(source, side)
-        read = read_once(source)
-        errors = ladder_seconds(side)
+        read, errors = read_once(source), errors_seconds(side)
         found = child("measured", str(source), str(store))
+        read = (read + read_once(source)) / 2
         size = sum(file.stat().st_size for file in store.rglob("*") if file.is_file())
-        giga, seconds = side**2 / 1e9, found["seconds"]
+        giga, cpu = side**2 / 1e9, found["cpu"]
         print(
-            f"{giga:.2f} | {read:.1f} s | {errors:.1f} s | {seconds:.1f} s | {seconds / giga:.0f} "
-            f"| {(seconds - errors) / read:.2f} | {found['peak'] / 1e9:.2f} GB | "
-            f"{worker_bytes(Division(side, side)) / 1e9:.2f} GB | {size / side**2:.2f}",
+            f"{giga:.2f} | {read:.1f} s | {errors:.1f} s | {cpu:.1f} s | {found['seconds']:.0f} s "
+            f"| {cpu / giga:.0f} | {cpu / (read + errors):.2f} | {found['peak'] / 1e9:.2f} GB "
+            f"| {worker_bytes(Division(side, side)) / 1e9:.2f} GB | {size / side**2:.2f}",
             flush=True,
         )
         source.unlink()
@@ -172,50 +186,69 @@ def killed(folder: Path, times: int) -> None:
     print(f"{deaths} builds killed, {wrong} files or stores that differ from one never killed")
 
 
-def flight(folder: Path, side: int, frames: int, memory: str) -> None:
-    """Fly low over a pyramid, and over a cut of it in memory."""
-    waves, store = Waves(side, side), folder / "waves.tlod"
-    tl.build(waves, store, spacing=SPACING)
-    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    terrain = tl.open(store, memory=memory)
-    low, high = terrain.height_range
-    lod, extent = tl.ScreenErrorLod(1.0), (side - 1) * SPACING
-    kept = cracks = 0
-    cold, warm, worst, triangles, held = [], [], 0.0, [], 0
-    for frame in range(frames):
-        x = extent * (0.2 + 0.3 * frame / frames)
-        ground = float(terrain.height_at([[x, -extent / 2]])[0])
-        eye = x, -extent / 2, ground + 300
-        camera = tl.Camera(eye, (x + 3000, -extent / 2 + 1500, ground))
-        for times in (cold, warm):
-            began = time.perf_counter()
-            mesh = terrain.mesh(camera, lod=lod)
-            times.append(time.perf_counter() - began)
+def camera_at(terrain: tl.StreamingTerrain, x: float, y: float) -> tl.Camera:
+    """Return one that flies low, 1920 x 1080."""
+    ground = float(terrain.height_at([[x, y]])[0])
+    return tl.Camera((x, y, ground + 300), (x + 3000, y + 1500, ground))
+
+
+def flight(folder: Path, store: Path | None, side: int, frames: int, memory: str) -> None:
+    """Fly low and fast over a pyramid at one pixel; then go on slowly, and over a cut in memory."""
+    if store is None:
+        store = tl.build(Waves(side, side), folder / "waves.tlod", spacing=SPACING)
+    began = resident("VmRSS")
+    terrain, lod = tl.open(store, memory=memory), tl.ScreenErrorLod(1.0)
+    waves = Waves(*terrain.shape)
+    extent = (waves.shape[1] - 1) * SPACING
+    y, ways = -extent / 2, extent * np.linspace(0.2, 0.5, frames)
+    kept = cracks = windows = 0
+    worst = held = grown = 0.0
+    seconds, triangles = [], []
+    for frame, x in enumerate(ways):
+        camera = camera_at(terrain, x, y)
+        before = time.perf_counter()
+        mesh = terrain.mesh(camera, lod=lod)
+        seconds.append(time.perf_counter() - before)
+        assert mesh.achieved is not None
         kept += mesh.achieved.kept
-        held = max(held, terrain.held)
+        held, grown = max(held, terrain.held), max(grown, resident("VmRSS") - began)
         triangles.append(len(mesh.triangles))
-        if frame % 5 == 0:
+        if frame % 2 == 0:
+            windows += 1
             cracks += tl.crack_report(mesh).cracks
             worst = max(worst, outside(mesh, waves, camera, x))
-    print(f"{side:,}² samples, {frames} frames at one pixel, 1920 x 1080, memory {memory}")
-    print(f"kept {kept} of {frames}; measured outside on every fifth: {worst:.3f} pixels, "
-          f"{cracks} cracked edges")  # fmt: skip
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    print(f"ground held at most {held / 1e6:.0f} MB; the process grew by "
-          f"{(peak - before) / 1e3:.0f} MB, meshes and device included")  # fmt: skip
-    print(f"new frame {np.median(cold):.2f} s, the same again {np.median(warm):.2f} s, "
-          f"{int(np.median(triangles)):,} triangles (medians)")  # fmt: skip
-    cut = min(side, 4097)
-    first = int(x / SPACING - cut / 2), int(extent / 2 / SPACING - cut / 2)
-    heights = waves[first[1] : first[1] + cut, first[0] : first[0] + cut]
-    place = (first[0] * SPACING, -first[1] * SPACING)
-    whole = tl.Terrain(tl.Heightmap(heights, spacing=SPACING, origin=place), tile=8)
-    whole.mesh(camera, lod=lod, partitioning="integer")
-    began = time.perf_counter()
-    there = whole.mesh(camera, lod=lod, partitioning="integer")
-    print(f"in memory, {cut}² samples of it, the same again {time.perf_counter() - began:.2f} s, "
-          f"{len(there.triangles):,} triangles")  # fmt: skip
-    print(f"heights {low:.0f} to {high:.0f} m")
+    print(f"{waves.shape[0]:,} x {waves.shape[1]:,} samples, {frames} frames at one pixel, 1920 x "
+          f"1080, {ways[1] - ways[0]:,.0f} m apart, memory {memory}")  # fmt: skip
+    print(f"kept {kept} of {frames}; on {windows} of them, in windows of the source: {worst:.3f} "
+          f"pixels at most, {cracks} cracked edges")  # fmt: skip
+    print(f"ground held at most {held / 1e6:.0f} MB; the process grew by {grown / 1e6:.0f} MB, "
+          "kernels and meshes included")  # fmt: skip
+    print(f"a frame {np.median(seconds):.2f} s, {int(np.median(triangles)):,} triangles (medians)")
+    warm(terrain, waves, x, y)
+
+
+def warm(terrain: tl.StreamingTerrain, waves: Waves, x: float, y: float) -> None:
+    """Time a camera that goes on, over a pyramid and over a cut of it in memory, in turn."""
+    cut, lod = min(*waves.shape, 4097), tl.ScreenErrorLod(1.0)
+    row, column = (int(np.clip(place / SPACING - cut / 2, 0, extent - cut))
+                   for place, extent in zip((-y, x), waves.shape, strict=True))  # fmt: skip
+    heights = waves[row : row + cut, column : column + cut]
+    origin = column * SPACING, -row * SPACING
+    whole = tl.Terrain(tl.Heightmap(heights, spacing=SPACING, origin=origin), tile=8)
+    for step in (0.0, 5.0, 30.0):
+        times: list[tuple[float, ...]] = []
+        for number in range(12):
+            camera = camera_at(terrain, x + number * step, y)
+            marks = [time.process_time()]
+            there = terrain.mesh(camera, lod=lod)
+            marks.append(time.process_time())
+            in_memory = whole.mesh(camera, lod=lod, partitioning="integer")
+            marks.append(time.process_time())
+            times.append((marks[1] - marks[0], marks[2] - marks[1]))
+        ours, theirs = np.median(times[2:], axis=0)
+        print(f"warm, {step:.0f} m a frame: {ours:.2f} s of CPU, in memory, {cut}² samples of it, "
+              f"{theirs:.2f} s, {ours / theirs:.2f} x; {len(there.triangles):,} and "
+              f"{len(in_memory.triangles):,} triangles")  # fmt: skip
 
 
 def outside(mesh: tl.Mesh, waves: Waves, camera: tl.Camera, x: float) -> float:
@@ -269,6 +302,7 @@ def main() -> None:
     parser.add_argument("--side", type=int, default=10_000, help="samples")
     parser.add_argument("--frames", type=int, default=50)
     parser.add_argument("--memory", default="512MB")
+    parser.add_argument("--store", type=Path, help="fly over this one, not one of --side")
     parser.add_argument("--regions", type=int, default=4)
     given = parser.parse_args()
     folder = given.folder / str(os.getpid())
@@ -276,7 +310,7 @@ def main() -> None:
     runs: dict[str, Any] = {
         "build": lambda: build(folder, given.largest),
         "killed": lambda: killed(folder, given.times),
-        "flight": lambda: flight(folder, given.side, given.frames, given.memory),
+        "flight": lambda: flight(folder, given.store, given.side, given.frames, given.memory),
         "virtual": lambda: virtual(folder, given.side, given.regions),
     }
     try:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from dataclasses import fields
+import math
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any, Final
 
@@ -33,7 +34,9 @@ def load_camera(path: Path) -> Camera:
 
 
 def load_cameras(path: Path) -> list[Camera]:
-    """Return the cameras of a JSON file that holds a list of them; see :func:`load_camera`.
+    """Return the cameras of a JSON file: a list, alone or under ``cameras``.
+
+    Each is as for :func:`load_camera`. Such is ``frames.json`` of a folder of pictures.
 
     Raises
     ------
@@ -43,9 +46,17 @@ def load_cameras(path: Path) -> list[Camera]:
         If it is no list of cameras.
     """
     content = _content(path)
+    if isinstance(content, dict) and "cameras" in content:
+        content = content["cameras"]
     if not isinstance(content, list) or not content:
         raise InputError(f"expected a list of cameras in {path}, got {_told(content)}")
     return [_camera(entry, f"camera {number} of {path}") for number, entry in enumerate(content)]
+
+
+def camera_fields(camera: Camera) -> dict[str, Any]:
+    """Return a camera as such a file holds it; what is infinite is not given."""
+    fields = asdict(camera)
+    return {name: None if value == math.inf else value for name, value in fields.items()}
 
 
 def _content(path: Path) -> Any:

@@ -22,6 +22,7 @@ from ..errors import InputError, TerrainError
 from ..ground.heightmap import Heightmap
 from ..interrupts import INTERRUPTED, end, raise_interrupts
 from ..paths import require_folder
+from .export import ExportOptions
 from .flyover import PathOptions
 from .lod_options import LodOptions, own_formulas
 from .options import (
@@ -65,6 +66,7 @@ app = App(
 )
 app.meta.suppress_keyboard_interrupt = False
 
+Crs = Annotated[str | None, Parameter(metavar="EPSG:CODE|utm")]
 Memory = Annotated[str | None, Parameter(metavar="SIZE")]
 
 
@@ -174,6 +176,7 @@ def mesh(
     output: Output,
     cull: Switch = False,
     normal_map: Switch = False,
+    crs: Crs = None,
     memory: Memory = None,
     reading: GroundOptions = GroundOptions(),  # noqa: B008
     overlay: OverlayOptions = OverlayOptions(),  # noqa: B008
@@ -181,6 +184,7 @@ def mesh(
     lod: LodOptions = LodOptions(),  # noqa: B008
     meshing: VertexOptions = VertexOptions(),  # noqa: B008
     terrain: TerrainOptions = TerrainOptions(),  # noqa: B008
+    export: ExportOptions = ExportOptions(),  # noqa: B008
 ) -> None:
     """Write the mesh that a camera deserves, and say how far it is from the ground.
 
@@ -193,6 +197,9 @@ def mesh(
         they are whole by default.
     normal_map
         Bake the normals of the whole ground into a normal map, which a .glb holds.
+    crs
+        Bring the ground to this projection first, and say how far that is from its own samples;
+        utm is the zone of UTM that it lies in.
     memory
         Of a pyramid that build wrote: how much of it to hold, such as 512MB.
     """
@@ -203,29 +210,37 @@ def mesh(
 
     require_folder(output)
     one_of("mesh format", output.suffix.lower(), FORMATS)
-    if normal_map and (output.suffix.lower() != ".glb" or is_store(ground)):
+    export.require(output)
+    if normal_map and (
+        output.suffix.lower() != ".glb" or is_store(ground) or not export.is_plain()
+    ):
         raise InputError(
-            f"expected a raster and a name that ends in .glb with --normal-map, got {ground} and "
-            f"{output.name}"
+            f"expected a raster and a name that ends in .glb with --normal-map, without "
+            f"--exaggeration, --drape and --solid, got {ground} and {output.name}"
         )
     chosen = lod.make(terrain.tile)
     if is_store(ground):
+        if crs is not None or not export.is_plain():
+            raise InputError(
+                f"expected a raster with --crs, --exaggeration, --drape and --solid, got the "
+                f"pyramid {ground}"
+            )
         opened = open_store(ground, memory, terrain.open())
         made = opened.mesh(view.over(opened.overview), lod=chosen, cull=cull)
         made.save(output)
         say(f"{output}: {_counts(made, opened.overview)}")
         say(str(crack_report(made)))
         return
-    heights, added = reading.load(ground), overlay.load()
+    heights, added = reading.load(ground, crs), overlay.load()
     camera = view.over(heights)
     log("%r", heights)
     made = terrain.make(heights, chosen, added).mesh(camera, lod=chosen, cull=cull, **vars(meshing))
     log("%r from %r", made, chosen)
     if normal_map:
         made = bake_normals(made, _whole(heights, added, terrain.open()), device=terrain.open())
-    made.save(output)
-    say(f"{output}: {_counts(made, heights)}")
     shown = heights if added is None else heights.with_detail(added)
+    export.save(made, shown, output)
+    say(f"{output}: {_counts(made, heights)}")
     say(f"vertical error: {vertical_error(made, shown, device=terrain.open())}")
     say(str(crack_report(made)))
 

@@ -29,7 +29,8 @@ class PathOptions:
     """Which pictures are drawn, if more than one."""
 
     path: Annotated[Path | None, Parameter(metavar="FILE")] = None
-    """JSON list of cameras to fly through; --output is a folder then, as with the next two."""
+    """JSON list of cameras to fly through, or frames.json of another flight; then --output is
+    a folder. As with the next two."""
     orbit: Switch = False
     """Once around the target."""
     flyover: Switch = False

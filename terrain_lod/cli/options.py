@@ -90,12 +90,14 @@ class GroundOptions:
     z_scale: float | None = None
     """A number of the file times this is a height, in z-unit or else in the unit of x and y."""
 
-    def load(self, name: str) -> Heightmap:
-        """Return the ground called `name`: a file if there is one, else a bundled sample."""
+    def load(self, name: str, crs: str | None = None) -> Heightmap:
+        """Return the ground called `name`, a file or else a bundled sample, brought to `crs`."""
         from ..files.rasters.loading import load
         from ..files.rasters.samples import sample, sample_names
 
         overrides = {key: value for key, value in vars(self).items() if value is not None}
+        if crs is not None:
+            overrides["crs"] = crs
         if not Path(name).exists() and name in sample_names():
             if overrides:
                 option = "--" + next(iter(overrides)).replace("_", "-")
@@ -103,7 +105,7 @@ class GroundOptions:
             return sample(name)
         if (Path(name) / "zarr.json").is_file():
             raise InputError(
-                f"expected a raster file, got the pyramid {name}: build, info, mesh and render "
+                f"expected a raster file, got the pyramid {name}: info, view, mesh and render "
                 "take it"
             )
         if not Path(name).exists() and not Path(name).suffix:

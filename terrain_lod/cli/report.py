@@ -1,4 +1,4 @@
-"""``terrain-lod report``: two levels of detail side by side, all of them, or the hard cases."""
+"""``terrain-lod report``: levels of detail at one camera, all of them, or the hard cases."""
 
 from __future__ import annotations
 
@@ -43,7 +43,9 @@ def report(
     meshing: MeshingOptions = MeshingOptions(),  # noqa: B008
     terrain: TerrainOptions = TerrainOptions(),  # noqa: B008
 ) -> None:
-    """Compare distance LOD with another, coplanarity by default: triangles, error, time, pictures.
+    """Compare levels of detail at one camera: distance, another (coplanarity) and screen-error LOD.
+
+    As asked for, with as many triangles, and with as large an error; times and pictures.
 
     Parameters
     ----------
@@ -146,6 +148,7 @@ def _write_comparison(
     heights: Heightmap, output: Path, terrain: TerrainOptions, views: int
 ) -> None:
     from ..reports.compare.compare import compare
+    from ..reports.compare.peers import PEERS
 
     with progress_bar("comparing") as progress:
         made = compare(
@@ -160,10 +163,8 @@ def _write_comparison(
         say(sentence)
     say(str(made.files["html"]))
     if made.missing:
-        warn(
-            f"not installed and so not compared: {', '.join(made.missing)}; "
-            "pip install 'terrain_lod[compare]' brings them"
-        )
+        commands = "; ".join(peer.command for peer in PEERS if peer.name in made.missing)
+        warn(f"not installed and so not compared: {', '.join(made.missing)}: {commands}")
 
 
 def _write_stability(output: Path, terrain: TerrainOptions) -> None:

@@ -18,8 +18,10 @@ import numpy.typing as npt
 from PIL import Image, ImageDraw, ImageFont
 
 from ..camera.camera import Camera
+from ..camera.camera_file import camera_fields
 from ..errors import FileError, InputError
 from ..ground.heightmap import Heightmap
+from ..measure.screen_error import screen_error
 from ..mesh.mesh import Mesh
 from ..paths import replacing, require_made
 from ..terrain.lod import AnyLod, checked_lod, unweighted
@@ -28,7 +30,11 @@ from .drape import Drape
 from .graphics import require_graphics
 from .picture import SUN, Picture, draw, save_png
 
-_NOTES: Final = "frames.json"  # what the pictures of a folder show
+_NOTES: Final = "frames.json"  # cameras, as a path is read from, and what the pictures show
+
+Shown = dict[str, Any]
+"""A level of detail in a picture: its name, triangles, and largest error in pixels."""
+
 _TEXT_HEIGHT: Final = 1 / 36  # of the picture
 _GAP: Final = 2  # pixels between two pictures
 
@@ -97,12 +103,16 @@ def render_path(
         checked_lod(lod)
     require_graphics()
     folder = require_made(Path(directory))
-    _require_same(folder, _description(terrain, cameras, lods, look, meshing))
+    notes = _description(terrain, cameras, lods, look, meshing)
+    drawn = _require_same(folder, notes)
     digits = max(4, len(str(len(cameras) - 1)))
     paths = tuple(folder / f"{number:0{digits}d}.png" for number in range(len(cameras)))
     for number, (camera, path) in enumerate(zip(cameras, paths, strict=True)):
         if not path.exists():
-            save_png(_picture(terrain, camera, lods, look, meshing), path)
+            picture, shown = _picture(terrain, camera, lods, look, meshing)
+            save_png(picture, path)
+            drawn[path.name] = shown
+            _write_notes(folder, notes, drawn)
         if progress is not None:
             progress(number + 1, len(cameras))
     return paths
@@ -114,11 +124,12 @@ def _picture(
     lods: Sequence[AnyLod],
     look: Look,
     meshing: dict[str, Any],
-) -> Picture:
-    """Return the picture of one camera, a part of its width a LOD."""
+) -> tuple[Picture, list[Shown]]:
+    """Return the picture of one camera, a part of its width a LOD, and what is in it."""
     width, height = camera.size
     part = (width - _GAP * (len(lods) - 1)) // len(lods)
     picture = np.full((height, width, 3), 255, np.uint8)
+    drawn = []
     for number, lod in enumerate(lods):
         seen = replace(camera, size=(max(1, part), height))
         mesh = terrain.mesh(seen, lod=lod, **meshing)
@@ -131,20 +142,28 @@ def _picture(
             drape=look.drape,
             wireframe=look.wireframe,
         )
+        entry = _entry(terrain, mesh, lod, seen)
+        drawn.append(entry)
         if look.counts:
-            shown = _labelled(shown, _label(mesh, lod, terrain.ground.unit_symbols[1]))
+            shown = _labelled(shown, f"{entry['lod']}: {_counted(entry)}")
         left = number * (part + _GAP)
         picture[:, left : left + shown.shape[1]] = shown
-    return picture
+    return picture, drawn
 
 
-def _label(mesh: Mesh, lod: AnyLod, unit: str) -> str:
-    name = type(unweighted(lod)).__name__.removesuffix("Lod")
-    if mesh.achieved is None:
-        return f"{name}: {len(mesh.triangles):,} triangles"
-    pixels = mesh.achieved.pixels
-    error = f"{mesh.achieved.metres:.3g} {unit}" if pixels is None else f"{pixels:.2f} pixels"
-    return f"{name}: {len(mesh.triangles):,} triangles, error {error}"
+def _entry(terrain: Terrain, mesh: Mesh, lod: AnyLod, camera: Camera) -> Shown:
+    """Return what a picture shows of a level of detail; its error is measured, whatever it is."""
+    error = screen_error(mesh, terrain.ground, camera, device=terrain.device)
+    return {
+        "lod": type(unweighted(lod)).__name__.removesuffix("Lod"),
+        "triangles": len(mesh.triangles),
+        "pixels": error.maximum if error.samples else None,
+    }
+
+
+def _counted(entry: Shown) -> str:
+    text = f"{entry['triangles']:,} triangles"
+    return text if entry["pixels"] is None else f"{text}, error {entry['pixels']:.3g} px"
 
 
 def _labelled(picture: Picture, text: str) -> Picture:
@@ -169,14 +188,14 @@ def _description(
     lods: Sequence[AnyLod],
     look: Look,
     meshing: dict[str, Any],
-) -> dict[str, object]:
+) -> dict[str, Any]:
     """Return what makes the pictures what they are."""
     detail = None if terrain.detail is None else _fingerprint(terrain.detail)
     drape = None if look.drape is None else _digest(look.drape.picture)
     return {
         "ground": [_fingerprint(terrain.ground), detail],
         "tiles": [terrain.grid.tile, _digest(terrain.analysis.deviation)],
-        "cameras": [repr(camera) for camera in cameras],
+        "cameras": [camera_fields(camera) for camera in cameras],
         "lods": [repr(lod) for lod in lods],
         **meshing,
         "look": [look.style, list(look.sun), look.wireframe, look.counts, drape],
@@ -194,23 +213,31 @@ def _digest(values: npt.NDArray[Any]) -> str:
     return sha256(shape + np.ascontiguousarray(values).tobytes()).hexdigest()
 
 
-def _require_same(folder: Path, description: dict[str, object]) -> None:
-    """Note what the pictures of a folder show, or make sure that it is the same."""
-    notes = folder / _NOTES
+def _require_same(folder: Path, description: dict[str, Any]) -> dict[str, list[Shown]]:
+    """Make sure that a folder's pictures are of the same; return what is drawn, by file."""
+    notes, as_written = folder / _NOTES, json.loads(json.dumps(description))
     try:
         known = json.loads(notes.read_text(encoding="utf-8")) if notes.exists() else None
     except ValueError:
         known = None
     except OSError as error:
         raise FileError(f"cannot read {notes}: {error.strerror}") from None
-    if known == description:
-        return
+    if isinstance(known, dict) and known.items() >= as_written.items():
+        drawn: dict[str, list[Shown]] = known.get("drawn", {})
+        return drawn
     if any(folder.glob("[0-9]*.png")):
         noted = known if isinstance(known, dict) else {}
-        changed = ", ".join(name for name in description if noted.get(name) != description[name])
+        changed = ", ".join(name for name in description if noted.get(name) != as_written[name])
         raise InputError(
             f"expected a folder of the same pictures to go on with, got {folder} with other "
             f"{changed}: empty it or choose another"
         )
-    with replacing(notes) as temporary:
-        temporary.write_text(json.dumps(description, indent=1) + "\n", encoding="utf-8")
+    _write_notes(folder, description, {})
+    return {}
+
+
+def _write_notes(folder: Path, description: dict[str, Any], drawn: dict[str, list[Shown]]) -> None:
+    """Write what the pictures of a folder show; its cameras are read again as a path."""
+    with replacing(folder / _NOTES) as temporary:
+        text = json.dumps({**description, "drawn": drawn}, indent=1)
+        temporary.write_text(text + "\n", encoding="utf-8")

@@ -157,7 +157,7 @@ class Heightmap:
             If the slices are not such, the shape is another, the array is not real or holds
             infinities, or no data would be left.
         """
-        part = _within("rows", rows, self.shape[0]), _within("columns", columns, self.shape[1])
+        part = within("rows", rows, self.shape[0]), within("columns", columns, self.shape[1])
         shape = tuple(piece.stop - piece.start for piece in part)
         values = array("heights", elevations, shape, None, is_finite=False)
         hole = _masked(elevations)
@@ -359,7 +359,7 @@ def _add_nan(hole: npt.NDArray[np.bool_], values: npt.NDArray[Any]) -> None:
         )
 
 
-def _within(name: str, part: slice, extent: int) -> slice:
+def within(name: str, part: slice, extent: int) -> slice:
     """Return `part` with start and stop filled in, or say what is wrong with it."""
     instance(f"a slice for {name}", part, slice)
     given = (part.start, 0), (part.stop, extent), (part.step, 1)

@@ -193,7 +193,7 @@ class Mesh:
         counts = np.diff(self.patches.triangle_offsets)
         return np.repeat(np.arange(self.patches.count, dtype=np.int32), counts)
 
-    def save(self, path: str | Path) -> Path:
+    def save(self, path: str | Path, *, picture: npt.ArrayLike | None = None) -> Path:
         """Write the mesh to a file, whole or not at all; the ending chooses the format.
 
         Of several that save to one name at once, the last is what stays.
@@ -202,6 +202,9 @@ class Mesh:
         ----------
         path : str or pathlib.Path
             Ends in .glb, .obj, .ply, .stl or .vtp. An existing file is replaced.
+        picture : (H, W, 3) uint8, optional
+            What lies over the mesh by its texture coordinates, row 0 where v is 1; in .glb, and
+            beside .obj as a .jpg file and a .mtl file of the same name.
 
         Returns
         -------
@@ -212,13 +215,14 @@ class Mesh:
         ------
         InputError
             If the ending is none of these, if the mesh has no triangle, positions that are not
-            finite or corners that are no vertices, or if it does not fit the format.
+            finite or corners that are no vertices, or if it does not fit the format; if there is a
+            picture and no texture coordinates, or no room for it in the format.
         FileError
             If the file cannot be written.
         """
         from ..files.meshes.export import save
 
-        return save(self, path)
+        return save(self, path, picture)
 
     def to_pyvista(self) -> pyvista.PolyData:
         """Return the mesh as pyvista.PolyData that shares its memory.

@@ -21,12 +21,15 @@ def locked(path: Path) -> Iterator[None]:
     Raises
     ------
     FileError
-        If another process holds it, with what that said of itself.
+        If another process holds it, with what that said of itself, or it cannot be written.
     """
     import fcntl  # not on Windows: everything else imports there
 
     while True:
-        file = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+        try:
+            file = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+        except OSError as error:
+            raise FileError(f"cannot write {path}: {error.strerror}") from None
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:

@@ -154,12 +154,10 @@ class Store:
                     fill_value=np.nan if dtype == "float32" else 0, compressors=_codecs(),
                 )  # fmt: skip
 
-    def finish(self) -> None:
-        """Say in the store that all of it is there."""
-        attributes = self.description.attributes()
-        attributes["terrain_lod"]["complete"] = True
+    def describe(self) -> None:
+        """Say in the store what it is, and whether all of it is there."""
         with writing(self.path):
-            _zarr().open_group(self.path, mode="r+").attrs.update(attributes)
+            _zarr().open_group(self.path, mode="r+").attrs.update(self.description.attributes())
 
     def array(self, name: str) -> Any:
         if name not in self._arrays:

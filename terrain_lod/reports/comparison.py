@@ -1,8 +1,9 @@
-"""Distance LOD and another at one camera, measured: triangles drawn, error, time.
+"""Levels of detail at one camera, measured: as asked for, at equal triangles, at equal error.
 
-Distance LOD gives near patches more triangles; coplanarity LOD, for one, near and rough ones. At
-their defaults they differ in triangles *and* in error, so a third trial settles which is better:
-the distance LOD again, its highest factor changed until it draws as many triangles.
+Distance LOD gives near patches more triangles; coplanarity LOD near and rough ones;
+screen-error LOD those that a given error in the picture needs. At their defaults they differ in
+triangles *and* in error, which settles nothing. So all but one are tuned twice more: until they
+draw as many triangles as that one, and until they are as far off in the picture.
 """
 
 from __future__ import annotations
@@ -13,19 +14,23 @@ from statistics import median
 from typing import Any, Final
 
 from ..camera.camera import Camera
-from ..device.layout import MAX_TILE
 from ..errors import InputError
 from ..measure.error import VerticalError, vertical_error
+from ..measure.screen_error import ScreenError, seen_error
 from ..mesh.mesh import Mesh
 from ..terrain.lod import AnyLod, Lod, PromiseLod, Weighted, unweighted
 from ..terrain.lod_formulas import DistanceLod
+from ..terrain.lod_promises import ScreenErrorLod
 from ..terrain.lods import name_of
 from ..terrain.terrain import Terrain
+from .matching import Tunable, excess_share, tuned
 
 # triangle counts within this share of each other count as equal
 EQUAL_SHARE: Final = 0.01
-_BISECTIONS: Final = 24
-_RUNS: Final = 5  # of which the median time is reported
+# and largest errors in the picture, which jump more, within this one
+EQUAL_ERROR_SHARE: Final = 0.05
+
+_RUNS: Final = 5  # of each trial, in turn
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +40,7 @@ class Trial:
     Attributes
     ----------
     name : str
+        Of the level of detail; tuned ones end in ``_equal_triangles`` or ``_equal_error``.
     terrain : Terrain
         What it was tried on.
     lod : Lod, PromiseLod or Weighted
@@ -43,8 +49,10 @@ class Trial:
     mesh : Mesh
     error : VerticalError
         With its field, over the patches in view.
-    seconds : dict of str to float
-        Median device time by stage.
+    seen : ScreenError
+        The same in pixels of the picture, over the samples in view.
+    runs : tuple of dict of str to float
+        Device seconds by stage, of each run; the trials took turns.
     """
 
     name: str
@@ -53,22 +61,38 @@ class Trial:
     parameters: dict[str, float]
     mesh: Mesh
     error: VerticalError
-    seconds: dict[str, float]
+    seen: ScreenError
+    runs: tuple[dict[str, float], ...] = ()
+
+    @property
+    def called(self) -> str:
+        """What people read inside a sentence: "screen-error LOD"."""
+        return f"{self.name.partition('_equal')[0]} LOD"
 
     @property
     def title(self) -> str:
-        """What people read: "Coplanarity LOD"."""
-        name = self.name.removesuffix("_equal")
-        return f"{name[:1].upper()}{name[1:]} LOD"
+        """The same at the beginning of one: "Screen-error LOD"."""
+        return self.called[:1].upper() + self.called[1:]
 
     @property
     def triangles(self) -> int:
         return len(self.mesh.triangles)
 
+    @property
+    def seconds(self) -> dict[str, float]:
+        """Median device time by stage."""
+        stages = dict.fromkeys(stage for run in self.runs for stage in run)
+        return {stage: median(run.get(stage, 0.0) for run in self.runs) for stage in stages}
+
+    @property
+    def totals(self) -> list[float]:
+        """Device time of all stages, of each run; the fastest first."""
+        return sorted(sum(run.values()) for run in self.runs)
+
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """Three trials on one ground at one camera.
+    """Trials on one ground at one camera.
 
     Attributes
     ----------
@@ -77,66 +101,170 @@ class Comparison:
     camera : Camera
     edge_rule, partitioning : str
         Distance LOD's rule for shared edges, and how edges are divided.
-    distance, other : Trial
-        At the parameters asked for.
-    equal : Trial
-        Distance LOD with as many triangles as the other.
+    asked : tuple of Trial
+        At the parameters asked for: distance LOD, the other, and screen-error LOD unless that is
+        the other.
+    equal_triangles, equal_error : tuple of Trial
+        The same again, tuned until they draw as many triangles as the other, or are as far off
+        in the picture; the other is as it was. Empty where it draws nothing, or has no error.
     """
 
     terrain: Terrain
     camera: Camera
     edge_rule: str
     partitioning: str
-    distance: Trial
-    other: Trial
-    equal: Trial
+    asked: tuple[Trial, ...]
+    equal_triangles: tuple[Trial, ...]
+    equal_error: tuple[Trial, ...]
 
     @property
-    def trials(self) -> tuple[Trial, Trial, Trial]:
-        return self.distance, self.other, self.equal
+    def distance(self) -> Trial:
+        return self.asked[0]
 
     @property
-    def is_equal(self) -> bool:
-        """Whether the triangle counts of `equal` and `other` could be made to agree."""
-        return abs(_excess(self.equal.triangles, self.other.triangles)) <= EQUAL_SHARE
+    def other(self) -> Trial:
+        """What the rest is tuned to."""
+        return self.asked[1]
+
+    @property
+    def trials(self) -> tuple[Trial, ...]:
+        """All of them, each once."""
+        every = (*self.asked, *self.equal_triangles, *self.equal_error)
+        return tuple({trial.name: trial for trial in every}.values())
+
+    def draws_as_many(self, trial: Trial) -> bool:
+        """Whether a trial draws as many triangles as the other, or fewer and is nearer even so."""
+        excess = excess_share(trial.triangles, self.other.triangles)
+        return abs(excess) <= EQUAL_SHARE or self._is_better(trial)
+
+    def is_as_far_off(self, trial: Trial) -> bool:
+        """Whether a trial is as far off in the picture, or less with fewer triangles even so."""
+        excess = excess_share(trial.seen.maximum, self.other.seen.maximum)
+        return abs(excess) <= EQUAL_ERROR_SHARE or self._is_better(trial)
+
+    def _is_better(self, trial: Trial) -> bool:
+        other = self.other
+        return trial.triangles < other.triangles and trial.seen.maximum < other.seen.maximum
 
 
-def compare_pair(
+def compare_at(
     terrain: Terrain,
     camera: Camera,
     *,
     distance: DistanceLod,
     lod: AnyLod,
-    others: Terrain | None = None,
+    tree: Terrain | None = None,
     edge_rule: str | None = None,
     partitioning: str = "fractional_odd",
     step: Callable[[], None] = lambda: None,
 ) -> Comparison:
-    """Mesh and measure both levels of detail, and distance LOD at equal triangle counts.
+    """Mesh and measure the levels of detail as asked for, at equal triangles, at equal error.
 
-    Calls `step` after each of the three trials; the rest is as for :func:`terrain_lod.report`.
+    `terrain` is what formulas are tried on, `tree` what promises are. Calls `step` three times;
+    the rest is as for :func:`terrain_lod.report`.
     """
     if isinstance(lod, DistanceLod):
         raise InputError("expected another level of detail than distance, which it is compared to")
-    meshing: dict[str, Any] = {"edge_rule": edge_rule, "partitioning": partitioning}
+    trying = _Trying(terrain, tree or terrain, camera, edge_rule, partitioning)
+    lods: list[AnyLod] = [distance, lod]
+    if not isinstance(unweighted(lod), ScreenErrorLod):
+        lods.append(ScreenErrorLod())
+    asked = tuple(trying.trial(name_of(each), each) for each in lods)
+    other = asked[1]
+    step()
 
-    def trial(name: str, terrain: Terrain, lod: AnyLod) -> Trial:
-        how = {} if isinstance(unweighted(lod), PromiseLod) else meshing
-        runs = [terrain.mesh(camera, lod=lod, **how) for _ in range(_RUNS)]
-        error = vertical_error(runs[0], terrain.ground, field=True, device=terrain.device)
-        # the first run of a promise measures the ladder as well
-        stages = runs[-1].timings
-        seconds = {stage: median(run.timings[stage] for run in runs) for stage in stages}
-        step()
-        return Trial(name, terrain, lod, _parameters(lod, terrain), runs[0], error, seconds)
+    def again(suffix: str, tune: Callable[[Tunable], Tunable]) -> tuple[Trial, ...]:
+        return tuple(
+            trying.trial(trial.name + suffix, tune(trial.lod))
+            if trial is not other and isinstance(trial.lod, DistanceLod | ScreenErrorLod)
+            else trial
+            for trial in asked
+        )
 
-    by_distance = trial("distance", terrain, distance)
-    by_other = trial(name_of(lod), others or terrain, lod)
-    matched = with_triangles(terrain, camera, distance, by_other.triangles, **meshing)
-    equal = trial("distance_equal", terrain, matched)
-    return Comparison(
-        terrain, camera, edge_rule or "min", partitioning, by_distance, by_other, equal
+    equal_triangles: tuple[Trial, ...] = ()
+    equal_error: tuple[Trial, ...] = ()
+    if other.triangles:
+        equal_triangles = again(
+            "_equal_triangles", lambda each: trying.with_triangles(each, other.triangles)
+        )
+    if other.seen.maximum > 0:
+        equal_error = again(
+            "_equal_error", lambda each: trying.with_error(each, other.seen.maximum)
+        )
+    step()
+    made = Comparison(
+        terrain, camera, edge_rule or "min", partitioning, asked, equal_triangles, equal_error
     )
+    made = trying.timed(made)
+    step()
+    return made
+
+
+@dataclass(frozen=True, eq=False)
+class _Trying:
+    """How every level of detail is meshed and measured."""
+
+    terrain: Terrain
+    tree: Terrain
+    camera: Camera
+    edge_rule: str | None
+    partitioning: str
+
+    def mesh(self, lod: AnyLod) -> Mesh:
+        """Return a mesh: promises come with their own edges and partitioning."""
+        if isinstance(unweighted(lod), PromiseLod):
+            return self.tree.mesh(self.camera, lod=lod)
+        how: dict[str, Any] = {"edge_rule": self.edge_rule, "partitioning": self.partitioning}
+        return self.terrain.mesh(self.camera, lod=lod, **how)
+
+    def measured(self, mesh: Mesh) -> tuple[VerticalError, ScreenError]:
+        ground = self.terrain.ground
+        error = vertical_error(mesh, ground, field=True, device=self.terrain.device)
+        assert error.field is not None  # asked for
+        return error, seen_error(error.field, ground, self.camera)
+
+    def trial(self, name: str, lod: AnyLod) -> Trial:
+        terrain = self.tree if isinstance(unweighted(lod), PromiseLod) else self.terrain
+        mesh = self.mesh(lod)
+        return Trial(name, terrain, lod, _parameters(lod, terrain), mesh, *self.measured(mesh))
+
+    def with_triangles(self, lod: Tunable, triangles: int) -> Tunable:
+        """Return `lod` where it draws `triangles`, to within 1 %."""
+        return tuned(
+            lod,
+            triangles,
+            lambda each: len(self.mesh(each).triangles),
+            share=EQUAL_SHARE / 10,
+            rises=True,
+        )
+
+    def with_error(self, lod: Tunable, pixels: float) -> Tunable:
+        """Return `lod` where it is `pixels` off at the most, to within 5 %."""
+        return tuned(
+            lod,
+            pixels,
+            lambda each: self.measured(self.mesh(each))[1].maximum,
+            share=EQUAL_ERROR_SHARE / 5,
+            rises=False,
+        )
+
+    def timed(self, made: Comparison) -> Comparison:
+        """Return the comparison with times: all trials in turn, so that all meet the same load."""
+        runs: dict[str, list[dict[str, float]]] = {trial.name: [] for trial in made.trials}
+        for _ in range(_RUNS):
+            for trial in made.trials:
+                runs[trial.name].append(self.mesh(trial.lod).timings)
+        timed = {trial.name: replace(trial, runs=tuple(runs[trial.name])) for trial in made.trials}
+
+        def of(trials: tuple[Trial, ...]) -> tuple[Trial, ...]:
+            return tuple(timed[trial.name] for trial in trials)
+
+        return replace(
+            made,
+            asked=of(made.asked),
+            equal_triangles=of(made.equal_triangles),
+            equal_error=of(made.equal_error),
+        )
 
 
 def _parameters(lod: AnyLod, terrain: Terrain) -> dict[str, float]:
@@ -148,41 +276,6 @@ def _parameters(lod: AnyLod, terrain: Terrain) -> dict[str, float]:
             "silhouette": lod.silhouette,
         }
     return lod.parameters(terrain.scene) if isinstance(lod, Lod) else lod.numbers()
-
-
-def with_triangles(
-    terrain: Terrain,
-    camera: Camera,
-    lod: DistanceLod,
-    triangles: int,
-    *,
-    edge_rule: str | None = None,
-    partitioning: str = "fractional_odd",
-) -> DistanceLod:
-    """Return `lod` with the highest factor at which it draws `triangles`, to within 1 %.
-
-    Bisects ``maximum`` between ``minimum`` and 63. Where the count jumps past `triangles`, as it
-    may with few patches, the nearest count that was met is taken.
-    """
-    low, high = lod.minimum, float(MAX_TILE)
-    best, least = lod, float("inf")
-    for _ in range(_BISECTIONS):
-        middle = (low + high) / 2
-        candidate = replace(lod, maximum=middle)
-        mesh = terrain.mesh(camera, lod=candidate, edge_rule=edge_rule, partitioning=partitioning)
-        count = len(mesh.triangles)
-        excess = _excess(count, triangles)
-        if abs(excess) < least:
-            best, least = candidate, abs(excess)
-        if least <= EQUAL_SHARE / 10:
-            break
-        low, high = (low, middle) if excess > 0 else (middle, high)
-    return best
-
-
-def _excess(count: int, wanted: int) -> float:
-    """Return by which share of `wanted` the count is too high."""
-    return (count - wanted) / max(wanted, 1)
 
 
 def device_bytes(terrain: Terrain, mesh: Mesh) -> dict[str, int]:

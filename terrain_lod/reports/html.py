@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import io
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from pathlib import Path
 from typing import Final
@@ -14,7 +14,7 @@ from PIL import Image
 from .tables import Row, Value
 
 # pictures in a page are at most this wide, as JPEG: a page of a few megabytes, which mail takes
-_WIDTH: Final = 1280
+_WIDTH: Final = 1920
 _QUALITY: Final = 88
 
 
@@ -39,7 +39,7 @@ def row_of_figures(kind: str, figures: Iterable[str]) -> str:
 
 
 def figure(path: Path, caption: str) -> str:
-    """Return a picture file, embedded, over its caption."""
+    """Return a picture file, embedded, over its caption; a click shows it as large as fits."""
     if path.suffix == ".svg":
         kind, data = "image/svg+xml", path.read_bytes()
     else:
@@ -48,7 +48,22 @@ def figure(path: Path, caption: str) -> str:
     text = escape(caption)
     look = ' class="plot"' if path.suffix == ".svg" else ""
     image = f'<img src="{source}" alt="{text}">'
-    return f"<figure{look}>{image}<figcaption>{text}</figcaption></figure>"
+    return (
+        f'<figure{look}><button type="button" class="enlarge">{image}</button>'
+        f"<figcaption>{text}</figcaption></figure>"
+    )
+
+
+def bars(title: str, values: Sequence[tuple[str, float, str]]) -> str:
+    """Return a bar for each label, value and text; the shortest bar, the best, is set apart."""
+    longest = max((value for _, value, _ in values), default=0.0) or 1.0
+    best = min((value for _, value, _ in values), default=0.0)
+    lines = [
+        f'<div class="bar{" best" if value == best else ""}"><span>{escape(label)}</span>'
+        f'<i><u style="width:{100 * value / longest:.1f}%"></u></i><b>{escape(text)}</b></div>'
+        for label, value, text in values
+    ]
+    return "\n".join([f'<div class="card bars"><h2>{escape(title)}</h2>', *lines, "</div>"])
 
 
 def _jpeg(path: Path) -> bytes:
@@ -63,42 +78,73 @@ def _jpeg(path: Path) -> bytes:
     return stream.getvalue()
 
 
-def table(columns: Sequence[str], rows: Iterable[Row]) -> str:
+def table(title: str, columns: Sequence[str], rows: Iterable[Row]) -> str:
     """Return rows of quantities under the names of their trials, units at the end."""
     heads = "".join(f'<th class="n" scope="col">{escape(name)}</th>' for name in columns)
     lines = [
-        '<div class="scroll"><table>',
-        f'<thead><tr><th scope="col"></th>{heads}<th scope="col"></th></tr></thead>',
-        "<tbody>",
+        _scroll(title),
+        "<table>",
+        f'<thead><tr><th scope="col">{escape(title)}</th>{heads}<th scope="col">Unit</th></tr>',
+        "</thead><tbody>",
     ]
     for row in rows:
         unit = "ms" if row.unit == "s" else row.unit
         values = "".join(f'<td class="n">{formatted(value, row.unit)}</td>' for value in row.values)
-        lines.append(f'<tr><td>{escape(row.label)}</td>{values}<td class="u">{unit}</td></tr>')
+        label = f'<th scope="row">{escape(row.label)}</th>'
+        lines.append(f'<tr>{label}{values}<td class="u">{unit}</td></tr>')
     return "\n".join([*lines, "</tbody></table></div>"])
+
+
+def _scroll(title: str) -> str:
+    """Return the start of what a narrow screen moves sideways."""
+    return f'<div class="scroll" tabindex="0" role="region" aria-label="{escape(title)}">'
 
 
 class Strong(str):
     """A text of a listing that is set in bold."""
 
 
-def listing(heads: Sequence[str], lines: Iterable[Sequence[str]], *, words: int = 1) -> str:
-    """Return lines of texts under their heads; all but the first `words` columns are numbers."""
+Lines = Iterable[Sequence[str]]
 
-    def cells(tag: str, texts: Sequence[str], more: str = "") -> str:
-        looks = [""] * words + [' class="n"'] * (len(texts) - words)
-        return "".join(
-            f"<{tag}{look}{more}>{_set(text)}</{tag}>"
-            for look, text in zip(looks, texts, strict=True)
-        )
 
-    head = cells("th", heads, ' scope="col"')
-    rows = (f"<tr>{cells('td', line)}</tr>" for line in lines)
+def listing(
+    title: str,
+    heads: Sequence[str],
+    lines: Lines | Mapping[str, Lines],
+    *,
+    words: int = 1,
+    look: str = "",
+) -> str:
+    """Return lines of texts under their heads; all but the first `words` columns are numbers.
+
+    Lines may come in groups, each under its title. A click on a head sorts the lines of every
+    group. With `look` "matrix" heads stand upright, so that many columns fit.
+    """
+    groups = lines if isinstance(lines, Mapping) else {"": lines}
+
+    def cell(tag: str, number: int, text: str, more: str = "") -> str:
+        look = "" if number < words else ' class="n"'
+        return f"<{tag}{look}{more}>{_set(text)}</{tag}>"
+
+    def row(texts: Sequence[str]) -> str:
+        first, *rest = texts
+        head = cell("th", 0, first, ' scope="row"')
+        cells = (cell("td", number, text) for number, text in enumerate(rest, start=1))
+        return f"<tr>{head}{''.join(cells)}</tr>"
+
+    def group(name: str, texts: Lines) -> str:
+        across = f'<th scope="rowgroup" colspan="{len(heads)}">{escape(name)}</th>'
+        first = f'<tr class="group">{across}</tr>' if name else ""
+        return f"<tbody>{first}{''.join(map(row, texts))}</tbody>"
+
+    head = "".join(cell("th", number, text, ' scope="col"') for number, text in enumerate(heads))
     return "\n".join(
         [
-            '<div class="scroll"><table class="list">',
+            _scroll(title),
+            f'<table class="list sorts {look}">',
             f"<thead><tr>{head}</tr></thead>",
-            *("<tbody>", *rows, "</tbody></table></div>"),
+            *(group(name, texts) for name, texts in groups.items()),
+            "</table></div>",
         ]
     )
 

@@ -123,7 +123,7 @@ def _draw_maps(figure: Figure, sheet: _Sheet, comparison: Comparison) -> None:
         _draw(ax, sheet, factors, _title(trial, "inside factor"), "segments", **look)
 
     # one scale for both; the worst percent is beyond it
-    pair = (comparison.equal, comparison.other)
+    pair = (comparison.equal_triangles or comparison.asked)[:2]
     errors = [np.abs(sheet.of_samples(_error_field(trial))) for trial in pair]
     known = np.concatenate([error[~np.isnan(error)] for error in errors])
     worst = float(np.percentile(known, 99)) if len(known) else 0.0

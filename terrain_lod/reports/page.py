@@ -1,21 +1,27 @@
-"""The page of two levels of detail at one camera: pictures, what came out, what it took."""
+"""The page of levels of detail at one camera: what to learn first, pictures, the book's table."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from .comparison import EQUAL_SHARE, Comparison, Trial
-from .html import card, definitions, figure, formatted, paragraph, row_of_figures, section, table
-from .maps import factor_range
+from .comparison import EQUAL_ERROR_SHARE, EQUAL_SHARE, Comparison, Trial
+from .html import bars, definitions, figure, paragraph, row_of_figures, section, table
 from .pictures import VISIBLE_DIFFERENCE, Difference
 from .tables import Row, rasterised_share
 from .template import filled_page
-from .verdict import small_share
+from .verdict import (
+    pixels,
+    purpose,
+    small_share,
+    why_times_differ,
+)
 
+# what the tables of equal triangles and of equal error show
+_SHORT = ("triangles", "pixels_max", "pixels_rms", "error_max", "error_rms")
 
-def _heads(comparison: Comparison) -> tuple[str, ...]:
-    return "Distance", comparison.other.title.removesuffix(" LOD"), "Distance, as many triangles"
+# sentences of the verdict that stand first
+_FIRST = 3
 
 
 def page(
@@ -43,17 +49,19 @@ def page(
         Why there are no 3-D pictures.
     """
     if no_pictures is None:
-        seen = _seen(comparison, pictures)
+        seen = _seen(comparison, pictures, difference)
     else:
         seen = section("What the camera sees", paragraph(f"No 3-D pictures. {no_pictures}."))
     return filled_page(
         title=f"Level of detail: {comparison.terrain.ground.name}",
         subtitle=_subtitle(comparison),
-        verdict=verdict,
-        cards=_cards(comparison, difference),
+        verdict=verdict[:_FIRST],
+        cards=_bars(comparison),
         sections=[
+            _purposes(comparison),
+            _equals(comparison, rows),
             seen,
-            _result(comparison, rows),
+            _result(comparison, rows, verdict),
             _from_above(comparison, pictures["maps"]),
             _stages(comparison, rows),
             _times(comparison, rows),
@@ -69,84 +77,154 @@ def _subtitle(comparison: Comparison) -> str:
     across, up = ground.unit_symbols
     large, scale = ("km", 1000) if across == "m" else (across, 1)
     width, depth = (extent / scale for extent in ground.extent)
+    *first, last = (trial.called for trial in comparison.asked)
+    names = f"{', '.join(first)} and {last}"
     return (
         f"{rows:,} × {columns:,} samples, {ground.spacing[0]:g} × {ground.spacing[1]:g} {across} "
         f"apart, {width:.4g} × {depth:.4g} {large}, {low:,.0f} to {high:,.0f} {up} high. "
-        f"Naive distance LOD against {comparison.other.name} LOD, from the same camera."
+        f"{names[:1].upper()}{names[1:]}, from the same camera."
     )
 
 
-def _cards(comparison: Comparison, difference: Difference | None) -> Iterator[str]:
-    distance, other, equal = comparison.trials
-    if distance.triangles:
-        change = other.triangles / distance.triangles - 1
-        yield card(_change(change), f"triangles: {other.name} LOD against distance LOD")
-    if comparison.is_equal and equal.error.rms > 0:
-        change = other.error.rms / equal.error.rms - 1
-        yield card(_change(change), "RMS vertical error, with as many triangles")
-    if difference is not None:
-        share = small_share(difference.visible_share)
-        yield card(
-            share.replace("less than ", "< "),
-            f"of the pixels differ by more than {VISIBLE_DIFFERENCE:.0%}",
+def _bars(comparison: Comparison) -> Iterator[str]:
+    """Return what to see first: the shorter, the better."""
+    alike = [trial for trial in comparison.equal_triangles if comparison.draws_as_many(trial)]
+    if len(alike) > 1:
+        yield bars(
+            f"Same triangles, {comparison.other.triangles:,}: how far off is the picture?",
+            [(trial.title, trial.seen.maximum, pixels(trial)) for trial in alike],
         )
-    total = formatted(sum(other.seconds.values()), "s")
-    yield card(f"{total} ms", f"for all stages of {other.triangles:,} triangles")
+    same = [trial for trial in comparison.equal_error if comparison.is_as_far_off(trial)]
+    if len(same) > 1:
+        yield bars(
+            f"Same error, {pixels(comparison.other)}: how many triangles does it take?",
+            [(trial.title, trial.triangles, f"{trial.triangles:,}") for trial in same],
+        )
 
 
-def _change(share: float) -> str:
-    return f"{share:+.1%}".replace("-", "−")
+def _purposes(comparison: Comparison) -> str:
+    return section(
+        "What each level of detail is for",
+        definitions((trial.title, purpose(trial)) for trial in comparison.asked),
+    )
 
 
-def _seen(comparison: Comparison, pictures: Mapping[str, Path]) -> str:
-    """Return the book's figures: 9.22 beside 9.23, and 9.24."""
-    pair = comparison.distance, comparison.other
-    low, high = factor_range(comparison)
-    ramp = f'<div class="ramp"><span>{low:g}</span><i></i><span>{high:g} segments</span></div>'
-    detail = [figure(pictures[f"lod_{trial.name}"], _caption(comparison, trial)) for trial in pair]
-    lines = [
-        figure(pictures[f"wireframe_{trial.name}"], f"{trial.title}: wireframe") for trial in pair
+def _table(title: str, comparison: Comparison, trials: Sequence[Trial], rows: Sequence[Row]) -> str:
+    """Return a table of some of the trials."""
+    at = [comparison.trials.index(trial) for trial in trials]
+    chosen = [
+        Row(row.table, row.key, row.label, row.unit, tuple(row.values[index] for index in at))
+        for row in rows
     ]
-    shaded = [
-        figure(pictures["shaded_distance"], "Distance LOD"),
-        figure(
-            pictures["difference"],
-            "Their difference: black none, white complete (square root scale)",
-        ),
-        figure(pictures[f"shaded_{pair[1].name}"], pair[1].title),
+    # what no trial of this table has, such as a stage of another
+    told = [row for row in chosen if any(value is not None for value in row.values)]
+    return table(title, [trial.title for trial in trials], told)
+
+
+def _equals(comparison: Comparison, rows: Sequence[Row]) -> str:
+    short = [row for key in _SHORT for row in rows if row.key == key]
+    other = comparison.other
+    parts = [
+        paragraph(
+            f"{other.title} is as it was asked for. The others are tuned to it, distance LOD by "
+            "its highest factor and screen-error LOD by its pixels: until triangle counts agree "
+            f"to {EQUAL_SHARE:.0%}, and until the largest errors in the picture agree to "
+            f"{EQUAL_ERROR_SHARE:.0%}.",
+            kind="soft",
+        )
     ]
+    if comparison.equal_triangles:
+        parts.append(_table("Same triangles", comparison, comparison.equal_triangles, short))
+    if comparison.equal_error:
+        parts.append(_table("Same error", comparison, comparison.equal_error, short))
+    return section("Same triangles, same error", *parts)
+
+
+def _seen(
+    comparison: Comparison, pictures: Mapping[str, Path], difference: Difference | None
+) -> str:
+    """Return what the camera sees: where triangles go, single ones, and what is left of it."""
+    ramp = '<div class="ramp"><span>64 cells a segment, or more</span><i></i><span>1</span></div>'
+    kind = "three" if len(comparison.asked) == 3 else "two"
+    close = comparison.equal_triangles or comparison.asked
+
+    def figures(style: str, captions: Sequence[str]) -> str:
+        names = [f"{style}_{trial.name}" for trial in comparison.asked]
+        return row_of_figures(
+            kind,
+            [figure(pictures[name], text) for name, text in zip(names, captions, strict=True)],
+        )
+
+    apart = []
+    if difference is not None:
+        apart = [
+            paragraph(_differ(comparison, difference)),
+            figure(
+                pictures["difference"],
+                f"{comparison.distance.title} against {comparison.other.called}: black where they "
+                "are the same, white where they differ completely (square root scale)",
+            ),
+        ]
     return "\n".join(
         [
             section(
                 "Where the triangles go",
                 paragraph(
-                    "Each patch in the colour of its inside factor: red is the most detail, "
-                    "black the least.",
+                    "As asked for, each patch in the colour of its segments: red where one is a "
+                    "cell of the raster, the most detail there is; black where it is 64 cells.",
                     kind="soft",
                 ),
                 ramp,
-                row_of_figures("two", detail + lines),
+                figures("lod", [_caption(comparison, trial) for trial in comparison.asked]),
             ),
-            section("What is left of it on the screen", row_of_figures("three", shaded)),
+            section(
+                "Single triangles, close by",
+                paragraph(
+                    "The same meshes with as many triangles, seen with a longer lens: where "
+                    "distance LOD is farthest off in the picture.",
+                    kind="soft",
+                ),
+                figures(
+                    "close", [f"{trial.title}, {trial.triangles:,} triangles" for trial in close]
+                ),
+            ),
+            section(
+                "What is left of it on the screen",
+                figures("shaded", [trial.title for trial in comparison.asked]),
+                *apart,
+            ),
         ]
+    )
+
+
+def _differ(comparison: Comparison, difference: Difference) -> str:
+    return (
+        f"The pictures of {comparison.distance.called} and {comparison.other.called} differ by "
+        f"{small_share(difference.mean)} on average; "
+        f"{small_share(difference.visible_share)} of the pixels differ by more than "
+        f"{VISIBLE_DIFFERENCE:.0%}, the most by {difference.largest:.0%}; "
+        f"their structural similarity is {difference.similarity:.3f}."
     )
 
 
 def _caption(comparison: Comparison, trial: Trial) -> str:
     share = rasterised_share(comparison, trial)
-    return f"{trial.title}: {trial.triangles:,} triangles generated, {share:.0%} rasterised"
+    return (
+        f"{trial.title}: {trial.triangles:,} triangles generated, {share:.0%} rasterised; at most "
+        f"{pixels(trial)} off"
+    )
 
 
-def _result(comparison: Comparison, rows: Sequence[Row]) -> str:
+def _result(comparison: Comparison, rows: Sequence[Row], verdict: Sequence[str]) -> str:
     return section(
-        "Triangles and error",
+        "As asked for: triangles and error",
+        *map(paragraph, verdict[_FIRST:]),
         paragraph(
-            "Vertical error is measured at every sample under the drawn patches, from the "
-            "triangles themselves. The last column is the distance LOD again, its highest factor "
-            f"lowered until the triangle counts agree to {EQUAL_SHARE:.0%}.",
+            "Vertical error is measured at every sample under the drawn patches, error in the "
+            "picture at every sample in view; both from the triangles themselves.",
             kind="soft",
         ),
-        table(_heads(comparison), [row for row in rows if row.table == "result"]),
+        _table("Result", comparison, comparison.asked, [r for r in rows if r.table == "result"]),
     )
 
 
@@ -156,7 +234,7 @@ def _from_above(comparison: Comparison, maps: Path) -> str:
         figure(
             maps,
             "The outline on the ground is the picture's, on the level of the lowest ground. Grey: "
-            "nothing drawn. The error maps compare equal triangle counts.",
+            "nothing drawn. The error maps are of as many triangles.",
         ),
     )
 
@@ -170,20 +248,26 @@ def _stages(comparison: Comparison, rows: Sequence[Row]) -> str:
             "same triangles take as a plain mesh, and what this engine holds on its device.",
             kind="soft",
         ),
-        table(_heads(comparison), [row for row in rows if row.table == "stages"]),
-        table(_heads(comparison), [row for row in rows if row.table == "storage"]),
+        _table("Stage", comparison, comparison.asked, [r for r in rows if r.table == "stages"]),
+        _table("Storage", comparison, comparison.asked, [r for r in rows if r.table == "storage"]),
     )
 
 
 def _times(comparison: Comparison, rows: Sequence[Row]) -> str:
-    return section(
-        "Time",
+    times = [row for row in rows if row.table == "time"]
+    runs = len(comparison.distance.runs)
+    parts = [
         paragraph(
-            f"Device time by stage, warm, median of runs, on {comparison.terrain.device.info}.",
+            f"Device time by stage, warm, on {comparison.terrain.device.info}: the median of "
+            f"{runs} runs. Levels of detail took turns, so that all met the same load.",
             kind="soft",
         ),
-        table(_heads(comparison), [row for row in rows if row.table == "time"]),
-    )
+        _table("Time, as asked for", comparison, comparison.asked, times),
+    ]
+    if comparison.equal_triangles:
+        parts.append(_table("Time, same triangles", comparison, comparison.equal_triangles, times))
+        parts += map(paragraph, why_times_differ(comparison.equal_triangles))
+    return section("Time", *parts)
 
 
 def _settings(comparison: Comparison) -> str:
@@ -201,9 +285,13 @@ def _settings(comparison: Comparison) -> str:
         ("Camera", f"eye {point(camera.eye)}, target {point(camera.target)}"),
         ("Picture", f"{view} high, {camera.size[0]} × {camera.size[1]} pixels"),
     ]
-    heads = zip(_heads(comparison), comparison.trials, strict=True)
-    pairs += [(head, _parameters(trial)) for head, trial in heads]
+    pairs += [(_with_how(trial), _parameters(trial)) for trial in comparison.trials]
     return section("Settings", definitions(pairs))
+
+
+def _with_how(trial: Trial) -> str:
+    how = trial.name.partition("_equal_")[2]
+    return f"{trial.title}, same {how}" if how else trial.title
 
 
 def _parameters(trial: Trial) -> str:

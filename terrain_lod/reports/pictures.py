@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 
+from ..camera.camera import Camera
 from ..drawing.graphics import graphics_problem
 from ..drawing.picture import Picture, draw, save_png
 from .comparison import Comparison
-from .maps import factor_range
 
 # "the difference is very rarely above 15%", says the text to figure 9.24
 VISIBLE_DIFFERENCE: Final = 0.15
 
-STYLES: Final = ("lod", "wireframe", "shaded")
-COUNT: Final = 2 * len(STYLES) + 1
+COUNT: Final = 4  # steps: three kinds of pictures, and the difference
+
+# triangles that a close-up shows, more or less, and how near it goes
+_CLOSE: Final = 120
+_ZOOM: Final = (3.0, 60.0)
 
 
 @dataclass(frozen=True)
@@ -44,37 +47,58 @@ class Difference:
 def save_pictures(
     comparison: Comparison, directory: Path, step: Callable[[], None] = lambda: None
 ) -> tuple[dict[str, Path], Difference | None]:
-    """Draw both levels of detail in every style, and the difference of the shaded pictures.
+    """Draw every level of detail as asked for, and close by with as many triangles.
 
     Returns
     -------
     dict of str to Path
-        Of ``lod_distance``, ``shaded_coplanarity``, ..., ``difference``; empty where this machine
-        cannot draw.
+        Of ``lod_distance``, ``shaded_coplanarity``, ``close_screen-error``, ..., and
+        ``difference``, that of the first two shaded pictures; empty where this machine cannot
+        draw.
     Difference or None
     """
     if graphics_problem() is not None:
         return {}, None
-    paths: dict[str, Path] = {}
-    shaded: list[Picture] = []
-    for style in STYLES:
-        for trial in (comparison.distance, comparison.other):
-            name = f"{style}_{trial.name}"
-            picture = draw(
-                trial.mesh,
-                comparison.camera,
-                style=style,
-                height_range=comparison.terrain.ground.height_range,
-                factor_range=factor_range(comparison),
-            )
-            paths[name] = save_png(picture, directory / f"{name}.png")
-            if style == "shaded":
-                shaded.append(picture)
-            step()
-    picture, difference = differing(*shaded)
-    paths["difference"] = save_png(picture, directory / "difference.png")
+    camera, paths = comparison.camera, dict[str, Path]()
+
+    def save(name: str, picture: Picture) -> Picture:
+        paths[name] = save_png(picture, directory / f"{name}.png")
+        return picture
+
+    height_range = comparison.terrain.ground.height_range
+    for trial in comparison.asked:
+        save(f"lod_{trial.name}", draw(trial.mesh, camera, style="lod"))
+    step()
+    shaded = [
+        save(f"shaded_{trial.name}", draw(trial.mesh, camera, height_range=height_range))
+        for trial in comparison.asked
+    ]
+    step()
+    near, close = close_camera(comparison), comparison.equal_triangles or comparison.asked
+    for asked, trial in zip(comparison.asked, close, strict=True):
+        seen = draw(trial.mesh, near, style="wireframe")
+        save(f"close_{asked.name}", seen)
+    step()
+    picture, difference = differing(*shaded[:2])
+    save("difference", picture)
     step()
     return paths, difference
+
+
+def close_camera(comparison: Comparison) -> Camera:
+    """Return the camera turned to where distance LOD is farthest off in it, and zoomed in."""
+    camera, ground = comparison.camera, comparison.terrain.ground
+    trial = (comparison.equal_triangles or comparison.asked)[0]
+    zoom = float(np.clip(np.sqrt(trial.triangles / _CLOSE), *_ZOOM))
+    target = camera.target
+    if trial.seen.where is not None:
+        row, column = trial.seen.where
+        (x, y), (dx, dy) = ground.origin, ground.spacing
+        height = ground.base + float(ground.heights[row, column])
+        target = (x + column * dx, y - row * dy, height)
+    fov = 2 * np.degrees(np.arctan(np.tan(np.radians(camera.fov) / 2) / zoom))
+    height_seen = None if camera.height is None else camera.height / zoom
+    return replace(camera, target=target, fov=float(fov), height=height_seen)
 
 
 def differing(first: Picture, second: Picture) -> tuple[Picture, Difference]:

@@ -1,4 +1,4 @@
-"""A report on a ground: distance LOD against another, in numbers, pictures and words."""
+"""A report on a ground: levels of detail at one camera, in numbers, pictures and words."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from ..device.device import Device
 from ..drawing.graphics import graphics_problem
 from ..ground.heightmap import Heightmap
 from ..paths import require_made
-from ..terrain.lod import AnyLod, PromiseLod, checked_lod, unweighted
+from ..terrain.lod import AnyLod, checked_lod, unweighted
 from ..terrain.lod_formulas import CoplanarityLod, DistanceLod
 from ..terrain.terrain import Terrain
-from .comparison import Comparison, compare_pair
+from .comparison import Comparison, compare_at
 from .maps import save_maps
 from .page import page
 from .pictures import COUNT, Difference, save_pictures
@@ -26,7 +26,7 @@ from .texts import Steps, csv_text, json_text, write_texts
 from .verdict import verdict
 
 # of the JSON file; raised when a key changes its meaning
-FORMAT: Final = 3
+FORMAT: Final = 4
 
 _STEPS: Final = 1 + 3 + COUNT + 1 + 1  # terrain, trials, pictures, maps, texts
 
@@ -70,10 +70,14 @@ def report(
     device: Device | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Report:
-    """Compare naive distance LOD with another at one camera, and write it down.
+    """Compare distance, coplanarity and screen-error LOD at one camera, and write it down.
+
+    As asked for, with as many triangles, and as far off in the picture: :class:`DistanceLod` and
+    :class:`ScreenErrorLod` are tuned until they draw as many triangles as `lod` does, and until
+    their largest error in the picture is that of `lod`.
 
     Writes ``report.html`` (self-contained), ``report.json``, ``report.csv``, ``maps.svg`` and,
-    where this machine can draw, PNG pictures of both in every style and of their difference. The
+    where this machine can draw, PNG pictures of each in several styles and of a difference. The
     same ground, camera and device give the same files, save for times.
 
     Parameters
@@ -87,7 +91,7 @@ def report(
         As for :class:`Terrain`. Formulas are tried on its flat grid, which is the book's, unless
         `levels` are given.
     lod : Lod, PromiseLod or Weighted, optional
-        What distance LOD is compared with. Default: ``CoplanarityLod()``.
+        What distance and screen-error LOD are compared with. Default: ``CoplanarityLod()``.
     distance : DistanceLod, optional
         Default: ``DistanceLod()``.
     edge_rule, partitioning : str, optional
@@ -114,17 +118,15 @@ def report(
     folder = file_path("folder", folder)
     step = Steps(progress, _STEPS)
     terrain = Terrain(ground, tile=tile, levels=levels or 1, plane=plane, device=device)
-    others = terrain
-    if isinstance(unweighted(lod), PromiseLod):
-        others = Terrain(ground, tile=tile, levels=levels, plane=plane, device=device)
+    tree = Terrain(ground, tile=tile, levels=levels, plane=plane, device=device)
     step()
     camera = default_camera(ground) if camera is None else camera
-    comparison = compare_pair(
+    comparison = compare_at(
         terrain,
         instance("a Camera for camera", camera, Camera),
         distance=distance,
         lod=lod,
-        others=others,
+        tree=tree,
         edge_rule=edge_rule,
         partitioning=partitioning,
         step=step,
@@ -136,7 +138,7 @@ def report(
     made = Report(
         comparison,
         tuple(rows_of(comparison)),
-        tuple(verdict(comparison, difference)),
+        tuple(verdict(comparison)),
         files,
         graphics_problem(),
     )
@@ -202,6 +204,9 @@ def _content(made: Report, difference: Difference | None) -> dict[str, Any]:
             }
             for index, trial in enumerate(comparison.trials)
         },
+        "as_asked_for": [trial.name for trial in comparison.asked],
+        "equal_triangles": [trial.name for trial in comparison.equal_triangles],
+        "equal_error": [trial.name for trial in comparison.equal_error],
         "units": {row.key: row.unit for row in made.rows if row.unit},
         "difference": None if difference is None else asdict(difference),
         "verdict": made.verdict,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -43,6 +44,13 @@ class Finding:
     @property
     def bound(self) -> Bound:
         return self.difference.bound
+
+    @property
+    def places(self) -> tuple[str, str]:
+        """Where the kernel stands, and the comparison that applies the bound."""
+        compare = inspect.unwrap(CHECKS[self.kernel].compare)
+        file, (_, line) = inspect.getfile(compare), inspect.getsourcelines(compare)
+        return f"kernels/{self.kernel.partition(',')[0]}.cl", f"checks/{Path(file).name}:{line}"
 
     @property
     def numbers(self) -> tuple[str, str, str]:
@@ -189,25 +197,17 @@ def _page(found: list[Finding], device: Device) -> str:
     )
 
 
+_HEADS: Final = ("Difference", "Allowed", "Share", "Bound applied", "Kernel", "Check")
+
+
+def _line(each: Finding) -> list[str]:
+    return [*each.numbers, each.bound.limit, *each.places]
+
+
 def _sections(found: list[Finding]) -> Iterator[str]:
-    yield section(
-        "Bounds",
-        paragraph(
-            "For each quantity the case that comes nearest to its bound.",
-            kind="soft",
-        ),
-        listing(
-            ("Quantity", "Kernel", "Nearest case", "Difference", "Allowed", "Share"),
-            (
-                [each.bound.quantity, each.kernel, each.case, *each.numbers]
-                for each in map(_nearest, _by(found, lambda each: each.bound.quantity).values())
-            ),
-            words=3,
-        ),
-    )
     of_ground = [each for each in found if each.kernel.split("/")[0] in _GROUND_ROOMS]
     yield section(
-        "Grounds and cameras",
+        "Hard cases of every kernel on ground",
         paragraph(
             "Share of the bound that is used up, of the quantity that is nearest to its own; each "
             "kernel's worst case in bold, and × where a bound is not met.",
@@ -215,21 +215,42 @@ def _sections(found: list[Finding]) -> Iterator[str]:
         ),
         _matrix(of_ground),
     )
+    yield section(
+        "Bounds",
+        paragraph(
+            "For each quantity the case that comes nearest to its bound. Difference and allowed "
+            "are in the quantity's own unit, never in ulps: an ulp, the distance from one 32-bit "
+            "float to the next, says nothing where a value is near zero.",
+            kind="soft",
+        ),
+        listing(
+            "Bounds",
+            ("Quantity", "Nearest case", *_HEADS),
+            (
+                [each.bound.quantity, each.case, *_line(each)]
+                for each in map(_nearest, _by(found, lambda each: each.bound.quantity).values())
+            ),
+            words=2,
+        ),
+    )
     others = [each for each in found if each not in of_ground]
     yield section(
         "Patterns and curved meshes",
         listing(
-            ("Kernel", "Case", "Quantity", "Difference", "Allowed", "Share"),
-            (
-                [each.kernel, each.case, each.bound.quantity, *each.numbers]
-                for each in map(_nearest, _by(others, lambda one: (one.kernel, one.case)).values())
-            ),
-            words=3,
+            "Patterns and curved meshes",
+            ("Case", "Quantity", *_HEADS),
+            {
+                kernel: [
+                    [each.case, each.bound.quantity, *_line(each)]
+                    for each in map(_nearest, _by(of_kernel, lambda one: one.case).values())
+                ]
+                for kernel, of_kernel in _by(others, lambda one: one.kernel).items()
+            },
+            words=2,
         ),
     )
     yield section(
         "Why so much is allowed",
-        paragraph("An ulp is the distance from one 32-bit float to the next.", kind="soft"),
         definitions((each.quantity, f"{each.limit}: {each.reason}.") for each in _bounds(found)),
     )
 
@@ -268,6 +289,10 @@ def _matrix(found: list[Finding]) -> str:
         text = _share(each.difference)
         return Strong(text) if each is worst[kernel] and each.difference.error else text
 
-    heads = ("", *(kernel.rpartition("/")[2].replace("_", " ") for kernel in columns))
+    heads = ("Case", *(kernel.rpartition("/")[2].replace("_", " ") for kernel in columns))
     cases = dict.fromkeys(each.case for each in found)
-    return listing(heads, ([case, *(cell(kernel, case) for kernel in columns)] for case in cases))
+    return listing(
+        "Grounds and cameras",
+        heads,
+        ([case, *(cell(kernel, case) for kernel in columns)] for case in cases),
+    )

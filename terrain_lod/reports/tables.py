@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from statistics import median
 from typing import Final
 
 import numpy as np
@@ -89,6 +90,8 @@ def _result(comparison: Comparison) -> list[Row]:
             lambda t: _known(t.error.mean),
         ),
         row("samples", "Samples measured", "", lambda t: t.error.samples),
+        row("pixels_max", "Error in the picture, largest", "px", lambda t: _known(t.seen.maximum)),
+        row("pixels_rms", "Error in the picture, RMS", "px", lambda t: _known(t.seen.rms)),
         row("factor_mean", "Inside factor, mean of drawn patches", "", _mean_factor),
     ]
 
@@ -162,7 +165,9 @@ def _times(comparison: Comparison) -> list[Row]:
     stages = dict.fromkeys(stage for trial in comparison.trials for stage in trial.seconds)
     return [
         *(row(f"seconds_{stage}", stage.capitalize(), _seconds(stage)) for stage in stages),
-        row("seconds_total", "All stages", lambda t: sum(t.seconds.values())),
+        row("seconds_total", "All stages: median of the runs", lambda t: median(t.totals)),
+        row("seconds_least", "… the fastest run", lambda t: t.totals[0]),
+        row("seconds_most", "… the slowest run", lambda t: t.totals[-1]),
     ]
 
 

@@ -18,8 +18,10 @@ from ..pyramid.drift import gathered
 from ..pyramid.store import Store
 from ..terrain.buffers import DeviceGround
 from ..terrain.lod import PromiseLod
+from ..terrain.lod_promises import MaxErrorLod, ScreenErrorLod
 from ..terrain.terrain import Terrain
 from .cut import Place
+from .made import Made
 from .piece import EAST, NORTH, SOUTH, WEST, Piece, clipped
 from .view import Asked, Boxes
 
@@ -78,8 +80,9 @@ class Window:
         lattice = DeviceGround.upload(Relief(ground), NODE, device)
         return cls(store, place, Terrain(ground, tile=NODE, device=device), lattice, drift)
 
-    def piece(self, asked: Asked, lod: PromiseLod) -> tuple[Piece, Mesh]:
-        """Mesh the chunk, and say how far the triangles are from all samples."""
+    def made(self, asked: Asked, share: float) -> Made:
+        """Mesh the chunk for a share of an error, and say how far it is from all samples."""
+        lod = _part_of(asked, share)
         mesh = self.terrain.mesh(asked.camera, lod=lod, partitioning="integer", cull=asked.cull)
         patches = mesh.patches
         assert patches is not None  # of a terrain
@@ -91,7 +94,7 @@ class Window:
         inside = mesh.vertices[:, :2].astype(np.float64) / [dx, -dy]
         places = first + inside * stride
         sides = float(first[0]), float(first[1]), float(ends[0]), float(ends[1])
-        errors, allowed = self._judged(asked, lod, mesh, inside)
+        errors, boxes = self._judged(asked, lod, mesh, inside)
         piece = Piece(
             level,
             sides,
@@ -104,13 +107,13 @@ class Window:
             mesh.triangle_patches,
             errors,
             np.zeros(patches.count, bool),
-            allowed,
+            asked.allowed(boxes),
         )
         for side, axis in ((WEST, 0), (NORTH, 1), (EAST, 0), (SOUTH, 1)):
             places[piece.on(side), axis] = sides[side]
         for axis, end in enumerate((own.columns - 1, own.rows - 1)):
             piece = clipped(piece, axis, float(end))
-        return piece, mesh
+        return Made(asked, share, piece, mesh, boxes)
 
     def _lines(self) -> tuple[npt.NDArray[np.float32], ...]:
         """Return the heights along the sides: west, north, east, south."""
@@ -119,8 +122,8 @@ class Window:
 
     def _judged(
         self, asked: Asked, lod: PromiseLod, mesh: Mesh, inside: npt.NDArray[np.float64]
-    ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-        """Return for each patch how far it may be from any sample, and how far it is allowed."""
+    ) -> tuple[npt.NDArray[np.float64], Boxes]:
+        """Return for each patch how far it may be from any sample, and a box around these."""
         patches, achieved = mesh.patches, mesh.achieved
         assert patches is not None
         assert achieved is not None
@@ -138,7 +141,7 @@ class Window:
             between = self._between(inside, mesh.vertices[:, 2], mesh.triangles)
             errors[drawn] = np.maximum.reduceat(between, patches.triangle_offsets[:-1][drawn])
             errors[drawn] += self._drift_of(patches.areas[drawn])
-        return errors, asked.allowed(boxes.taller(errors))
+        return errors, boxes.taller(errors)
 
     def _drift_of(self, areas: npt.NDArray[np.int32]) -> npt.NDArray[np.float64]:
         """Return how far all samples of patches are from the lattice."""
@@ -210,3 +213,10 @@ class Window:
             np.stack([x0 + left * dx, y0 - (top + down) * dy, lowest + base], axis=-1),
             np.stack([x0 + (left + across) * dx, y0 - top * dy, highest + base], axis=-1),
         )
+
+
+def _part_of(asked: Asked, share: float) -> PromiseLod:
+    """Return a part of the error that is asked for, as a level of detail."""
+    if asked.camera is not None and not np.isinf(asked.pixels):
+        return ScreenErrorLod(pixels=asked.pixels * share)
+    return MaxErrorLod(metres=asked.metres * share)

@@ -8,10 +8,11 @@ from typing import Final
 from ..arguments import one_of, positive, whole
 from ..errors import InputError
 from ..ground.heightmap import Heightmap
-from .geoid import ELLIPSOID, above_ellipsoid
+from .geoid import ELLIPSOID
 from .glb import vertex_step
 from .job import Job
 from .levels import Level, reach
+from .mapped import MappedGround
 from .quantized_mesh import MOST, smallest_quantum
 from .schemes import Geographic, Mercator, Region, Scheme, require_within
 from .source import Source
@@ -28,8 +29,36 @@ _PLACES: Final = 2**14
 _FINE: Final = 2.0**-9
 
 
+def require_options(
+    format: str,
+    error: float | None,
+    zoom: int | None,
+    scheme: str | None,
+    tiling: str | None,
+    borders: str | None,
+) -> None:
+    """Say so where options do not belong together, before any ground is read."""
+    globe, boxes = format == "quantized-mesh", format == "3dtiles"
+    _require(globe or scheme is None, "scheme", "quantized-mesh", format)
+    _require(boxes or tiling is None, "tiling", "3dtiles", format)
+    _require(globe or boxes or borders is None, "borders", "quantized-mesh and 3dtiles", format)
+    _require(globe or boxes or error is None, "an error", "quantized-mesh and 3dtiles", format)
+    one_of("borders", borders or "none", BORDERS)
+    if globe and borders == "frozen":
+        raise InputError(
+            "expected borders none or skirts with quantized-mesh, whose places are 1/32767 of a "
+            "tile and so differ between levels, got frozen: 3dtiles have frozen ones"
+        )
+    one_of("scheme", scheme or "geographic", SCHEMES)
+    one_of("tiling", tiling or "implicit", TILINGS)
+    if zoom is not None:
+        whole("zoom", zoom, 0, DEEPEST)
+    if error is not None:
+        positive("error", error)
+
+
 def planned(
-    ground: Heightmap,
+    ground: Heightmap | MappedGround,
     folder: Path,
     *,
     format: str,
@@ -43,25 +72,13 @@ def planned(
 ) -> Job:
     """Return the job of :func:`terrain_lod.write_tiles`, or say why there is none."""
     globe, boxes = format == "quantized-mesh", format == "3dtiles"
-    _require(globe or scheme is None, "scheme", "quantized-mesh", format)
-    _require(boxes or tiling is None, "tiling", "3dtiles", format)
-    _require(globe or boxes or borders is None, "borders", "quantized-mesh and 3dtiles", format)
-    _require(globe or boxes or error is None, "an error", "quantized-mesh and 3dtiles", format)
-    one_of("borders", borders or "none", BORDERS)
-    if globe and borders == "frozen":
-        raise InputError(
-            "expected borders none or skirts with quantized-mesh, whose places are 1/32767 of a "
-            "tile and so differ between levels, got frozen: 3dtiles have frozen ones"
-        )
-    if geoid != ELLIPSOID:
-        ground = above_ellipsoid(ground, geoid)
     source = Source.of(ground)
     chosen: Scheme = Region(source.bounds) if boxes else Mercator()
     if globe:
-        chosen = SCHEMES[one_of("scheme", scheme or "geographic", SCHEMES)]
+        chosen = SCHEMES[scheme or "geographic"]
     require_within(chosen, source.bounds)
-    deepest = whole("zoom", zoom, 0, DEEPEST) if zoom is not None else _deepest(source, chosen)
-    allowed = source.step / 4 if error is None else positive("error", error)
+    deepest = _deepest(source, chosen) if zoom is None else int(zoom)
+    allowed = source.step / 4 if error is None else float(error)
     frozen = borders == "frozen"
     skirts = borders == "skirts" or (boxes and borders is None)
     if frozen and deepest > _DEEPEST_FROZEN:
@@ -84,7 +101,7 @@ def planned(
         gzip,
         skirts=skirts,
         frozen=frozen,
-        implicit=one_of("tiling", tiling or "implicit", TILINGS) == "implicit",
+        implicit=tiling != "explicit",
         encoding=format,
         picture=not (globe or boxes),
         about={"heights": _said(geoid)},

@@ -19,6 +19,7 @@ from terrain_lod.cli.app import INTERRUPTED, REFUSED, run
 from terrain_lod.device.device import Device
 from terrain_lod.drawing.graphics import INSTALL_COMMAND, graphics_problem
 from terrain_lod.files.meshes.export import FORMATS
+from terrain_lod.files.meshes.loading import load_mesh
 
 # the arrays here do not say their spacing, which is then 1
 pytestmark = pytest.mark.filterwarnings("ignore:.*how far apart its samples are")
@@ -91,6 +92,41 @@ def test_mesh(ground, capsys, ending):
     assert "watertight" in out
 
 
+def test_a_solid_is_as_large_as_asked(ground, capsys):
+    options = ["--solid", "--base", "4", "--size-mm", "150", "--exaggeration", "2"]
+    assert run(["mesh", ground, "-o", "hills.stl", *options]) == 0
+    made = load_mesh("hills.stl")
+    # the 75 x 60 cells, and twice the 100 that the ground is high, two units of it a millimetre
+    np.testing.assert_allclose(np.ptp(made.vertices, axis=0)[:2], [150, 120], rtol=1e-5)
+    assert np.ptp(made.vertices[:, 2]) == pytest.approx(4 + 2 * 2 * 100, rel=0.02)
+    # of the true mesh, whatever is written
+    error = float(capsys.readouterr().out.split("largest error ")[1].split()[0])
+    assert run(["mesh", ground, "-o", "plain.stl"]) == 0
+    assert error == float(capsys.readouterr().out.split("largest error ")[1].split()[0])
+
+
+def test_a_drape_is_laid_over_the_mesh(ground):
+    Image.fromarray(np.full((5, 4, 3), 77, np.uint8)).save("in/drape.png")
+    assert run(["mesh", ground, "-o", "hills.obj", "--drape", "in/drape.png"]) == 0
+    assert files() == ["hills.jpg", "hills.mtl", "hills.obj"]
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--base", "3"], "expected --solid with --base"),
+        (["--solid", "--base", "0"], "expected --base above 0"),
+        (["--exaggeration", "0"], "expected exaggeration > 0"),
+        (["--drape", "in/none.png"], "got nothing at in/none.png"),
+        (["--drape", "in/hills.npy", "--solid"], "--drape or --solid"),
+        (["--crs", "utm"], "in which CRS"),
+    ],
+)
+def test_exports_that_cannot_be_are_refused(ground, capsys, options, said):
+    assert said in refused(capsys, "mesh", ground, "-o", "hills.glb", *options)
+    assert files() == []
+
+
 def test_mesh_is_culled_where_asked(ground, capsys):
     away = ["--eye", "40,-100,50", "--target", "40,-30,0", "--fov", "10"]
     counts = []
@@ -114,6 +150,7 @@ def test_detail_is_laid_over_the_ground(ground, capsys):
     assert "watertight" in out
 
 
+@pytest.mark.slow
 def test_lods_and_their_options_reach_the_mesh(ground, capsys):
     def triangles(*options):
         assert run(["mesh", ground, "-o", "hills.glb", *options]) == 0
@@ -153,6 +190,7 @@ def test_report_and_demo(ground, capsys, command, monkeypatch):
         assert not {name for name in made if not name.startswith("report") and name not in out}
 
 
+@pytest.mark.slow
 @needs_graphics
 def test_camera_comes_from_a_report(ground, capsys):
     view = ["--eye", "10,20,300", "--fov", "50", *SMALL]

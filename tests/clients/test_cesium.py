@@ -26,12 +26,18 @@ SAMPLE = """
     const found = await Cesium.sampleTerrainMostDetailed(tiles.provider, places)
     return found.map(place => place.height ?? null)
 """
-# what is drawn: the triangles themselves
+# what is drawn: the triangles themselves. Cesium looks for those of a tileset on the line from the
+# place to the Earth's middle, which leans from the ellipsoid's normal by a fifth of a degree: from
+# height 0 it meets ground 500 m high some 1.6 m beside the place. So each place is asked for once
+# more at the height that was found, until both are the same.
 DRAWN = """
     const { viewer: { scene }, tileset } = tiles
+    const found = place => tileset ? tileset.getHeight(place, scene) : scene.globe.getHeight(place)
     return given.map(([lon, lat]) => {
-        const place = Cesium.Cartographic.fromDegrees(lon, lat)
-        return (tileset ? tileset.getHeight(place, scene) : scene.globe.getHeight(place)) ?? null
+        let height = 0
+        for (let turn = 0; turn < 4 && height !== null; turn++)
+            height = found(Cesium.Cartographic.fromDegrees(lon, lat, height)) ?? null
+        return height
     })
 """
 LEVELS = "return tiles.viewer.scene.globe._surface._tilesToRender.map(tile => tile.level)"

@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,9 +19,11 @@ from terrain_lod import (
     CoplanarityLod,
     Heightmap,
     InputError,
+    ScreenErrorLod,
     Terrain,
     UniformLod,
     default_camera,
+    screen_error,
 )
 from terrain_lod.camera.path import flyover, load_path, orbit
 from terrain_lod.cli.app import REFUSED, run
@@ -142,6 +145,25 @@ def test_pictures_go_on_where_they_stopped(terrain, tmp_path):
 
 
 @needs_graphics
+def test_a_flight_is_replayed_from_its_frames(terrain, tmp_path):
+    ground = terrain.ground
+    cameras = orbit(ground, 3, camera=default_camera(ground, size=(96, 48)))
+    lods = (UniformLod(3), ScreenErrorLod(2.0))
+    render_path(terrain, cameras, tmp_path, lods=lods)
+    again = load_path(tmp_path / "frames.json", 3)
+    for one, other in zip(cameras, again, strict=True):
+        assert one.eye == pytest.approx(other.eye)
+        assert (one.fov, one.size, one.far) == (other.fov, other.size, other.far)
+    drawn = json.loads((tmp_path / "frames.json").read_text())["drawn"]
+    assert list(drawn) == ["0000.png", "0001.png", "0002.png"]
+    half = replace(cameras[1], size=(47, 48))
+    for entry, lod in zip(drawn["0001.png"], lods, strict=True):
+        mesh = terrain.mesh(half, lod=lod)
+        assert entry["triangles"] == len(mesh.triangles)
+        assert entry["pixels"] == screen_error(mesh, ground, half).maximum
+
+
+@needs_graphics
 def test_a_folder_of_another_flight_is_not_gone_on_with(terrain, tmp_path):
     ground = terrain.ground
     cameras = orbit(ground, 2, camera=default_camera(ground, size=(32, 24)))
@@ -252,6 +274,7 @@ def test_drapes_are_checked(tmp_path):
 # the command and the example
 
 
+@pytest.mark.slow
 @needs_graphics
 def test_command(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)

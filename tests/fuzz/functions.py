@@ -246,6 +246,10 @@ class Bench:
         for name, value in (("height_range", (0.0, 1.0)), ("bounds", (0.0, 0.0, 9.0, 9.0)),
                             ("overview", 0), ("tile", (3, 1, 1))):  # fmt: skip
             yield Call("load", tl.load, {"path": folder / "ground.npy", name: value})
+        yield Call("Heightmap.from_xarray", tl.Heightmap.from_xarray, {
+            "array": ground.to_xarray(), "spacing": (2.0, 2.0), "nodata": 1.0,
+            "window": (0, 0, 8, 8)}, use=self._use_ground)  # fmt: skip
+        yield Call("Heightmap.to_xarray", lambda: ground.to_xarray().shape, {})
         yield Call("sample", lambda name: tl.sample(name), {"name": "topobathy"})
         yield Call("sample_names", tl.sample_names, {})
         yield Call("default_camera", tl.default_camera, {
@@ -324,7 +328,8 @@ class Bench:
             "points": np.uint32([[65536, 0], [0, 65536], [0, 0], [0, 0]]),
             "point_offsets": np.int64([0, 2, 4])}, use=lambda mesh: _use_mesh(mesh)
             + repr(mesh.interpolate(np.ones(4))))  # fmt: skip
-        yield Call("Mesh.save", quad.save, {"path": folder / "saved.obj"})
+        yield Call("Mesh.save", quad.save, {
+            "path": folder / "saved.obj", "picture": np.zeros((2, 2, 3), np.uint8)})  # fmt: skip
         yield Call("Mesh.to_pyvista", lambda: quad.to_pyvista().n_points, {})
         yield Call("CurvedMesh.save", tl.pn_triangles(quad).save, {"path": folder / "saved.vtp"})
         yield Call("CurvedMesh.to_pyvista", lambda: tl.pn_triangles(quad).to_pyvista().n_points, {})

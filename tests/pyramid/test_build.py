@@ -53,6 +53,7 @@ def surface(level: int, store: Store) -> npt.NDArray[np.float64]:
     return found[: store.description.rows, : store.description.columns]
 
 
+@pytest.mark.slow
 def test_levels_are_every_second_sample_and_errors_hold(tmp_path: Path, source: Path) -> None:
     build(str(source), str(tmp_path / "a.tlod"))
     store, heights = Store.open(tmp_path / "a.tlod"), np.load(source)
@@ -91,6 +92,7 @@ def test_levels_are_every_second_sample_and_errors_hold(tmp_path: Path, source: 
             assert store.chunk_nodes(level).errors[..., 1].max() == coarser
 
 
+@pytest.mark.slow
 def test_whoever_builds_it_the_bytes_are_the_same(tmp_path: Path, source: Path) -> None:
     build(str(source), str(tmp_path / "0.tlod"))
     expected = contents(tmp_path / "0.tlod")
@@ -226,6 +228,7 @@ def test_two_halves_meet_without_a_difference(tmp_path: Path) -> None:
             np.testing.assert_array_equal(one[:, -1], other[:, 0])
 
 
+@pytest.mark.slow
 def test_a_build_that_was_killed_at_once_goes_on(tmp_path: Path, source: Path) -> None:
     build(str(source), str(tmp_path / "0.tlod"))
     (tmp_path / "1.tlod").mkdir()
@@ -276,3 +279,25 @@ def test_a_full_disk_is_one_line_and_the_build_goes_on(tmp_path: Path, source: P
     assert f"cannot write {store}: File too large; what is there is whole" in child.stderr
     build(str(source), str(store))
     assert contents(store) == contents(tmp_path / "0.tlod")
+
+
+def test_meshes_of_two_halves_meet(tmp_path: Path) -> None:
+    heights, middle = rugged(65, 129), 64
+    for name, part, x in (
+        ("west", heights[:, : middle + 1], 0.0),
+        ("east", heights[:, middle:], float(middle)),
+    ):
+        ground = tl.Heightmap(part, spacing=1.0, origin=(x, 0.0))
+        tl.build(ground, tmp_path / name, chunk=CHUNK, base=5.0)
+
+    def line(name: str, metres: float) -> npt.NDArray[np.float64]:
+        mesh = tl.open(tmp_path / name, memory="50MB").mesh(lod=tl.MaxErrorLod(metres))
+        points = mesh.vertices + mesh.origin
+        on = points[points[:, 0] == middle]
+        return on[np.argsort(on[:, 1])]
+
+    # what shows every sample shows the same points, to the bit; else each is within its error
+    np.testing.assert_array_equal(line("west", 1e-4), line("east", 1e-4))
+    west, east = line("west", 3.0), line("east", 3.0)
+    between = np.interp(west[:, 1], east[:, 1], east[:, 2])
+    assert np.abs(between - west[:, 2]).max() <= 6.0

@@ -124,12 +124,12 @@ def test_pops_are_those_of_the_public_measure(course: Course) -> None:
 
 
 def test_a_broken_promise_is_told(promised: Result) -> None:
-    assert "in every case tried: MaxErrorLod" in " ".join(findings([promised], [], []))
+    assert "in every case tried: Max error" in " ".join(findings([promised], [], []))
     assert replace(promised, metres=5.000001).broken  # nothing is forgiven
     broken = replace(promised, metres=7.0)
     assert broken.broken == pytest.approx(1.4)
     text = " ".join(findings([broken], [], []))
-    assert "MaxErrorLod broke its own target in 1 of 1 cases: asked for 5 m, it is off by 7" in text
+    assert "Max error broke its own target in 1 of 1 cases: asked for 5 m, it is off by 7" in text
 
 
 def test_a_better_peer_is_not_hidden(promised: Result) -> None:

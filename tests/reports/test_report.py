@@ -8,6 +8,7 @@ import re
 from dataclasses import replace
 from html.parser import HTMLParser
 from importlib import import_module
+from statistics import median
 from xml.etree import ElementTree
 
 import numpy as np
@@ -23,17 +24,19 @@ from terrain_lod.ground.grid import TileGrid
 from terrain_lod.ground.heightmap import Heightmap
 from terrain_lod.mesh.mesh import Mesh
 from terrain_lod.reports.comparison import (
+    EQUAL_ERROR_SHARE,
     EQUAL_SHARE,
-    compare_pair,
+    compare_at,
     device_bytes,
-    with_triangles,
 )
 from terrain_lod.reports.maps import _footprint, _Sheet
+from terrain_lod.reports.matching import tuned
 from terrain_lod.reports.pictures import differing
 from terrain_lod.reports.report import report
 from terrain_lod.reports.tables import rasterised_share
-from terrain_lod.reports.verdict import verdict
+from terrain_lod.reports.verdict import verdict, why_times_differ
 from terrain_lod.terrain.lod_formulas import CoplanarityLod, DistanceLod, UniformLod
+from terrain_lod.terrain.lod_promises import ScreenErrorLod
 from terrain_lod.terrain.terrain import Terrain
 
 TEXTS = {"html", "json", "csv", "maps"}
@@ -67,6 +70,7 @@ def content(made):
     return json.loads(made.files["json"].read_text())
 
 
+@pytest.mark.slow
 def test_stages_and_storage_are_those_of_the_books_table(content):
     """Section 9.1.1: 8 x 8 patches take 81 vertices, 1,620 and 1,536 bytes."""
     quantities = content["trials"]["distance"]["quantities"]
@@ -92,27 +96,61 @@ def test_counts_are_those_of_the_meshes(made, content):
         assert quantities["domain_invocations"] == len(trial.mesh.vertices)
         assert quantities["patches_culled"] == trial.mesh.patches.culled_count
         assert quantities["error_rms"] == trial.error.rms
-        stages = {key: value for key, value in quantities.items() if key.startswith("seconds_")}
-        total = stages.pop("seconds_total")
-        assert {"seconds_hull", "seconds_tessellator", "seconds_domain"} <= stages.keys()
-        assert total == pytest.approx(sum(stages.values()))
+        assert quantities["pixels_max"] == trial.seen.maximum
+        assert quantities["seconds_least"] <= quantities["seconds_total"]
+        assert quantities["seconds_total"] <= quantities["seconds_most"]
+        assert {"tessellator", "domain"} <= trial.seconds.keys()
+        totals = [sum(run.values()) for run in trial.runs]
+        assert quantities["seconds_total"] == median(totals)
 
 
-def test_third_trial_has_as_many_triangles(made):
-    comparison = made.comparison
-    assert isinstance(comparison.equal.lod, DistanceLod)
-    assert comparison.is_equal
-    assert comparison.equal.triangles == pytest.approx(comparison.other.triangles, rel=EQUAL_SHARE)
-    assert comparison.equal.triangles != comparison.distance.triangles
+def test_distance_coplanarity_and_screen_error_are_compared(made, content):
+    assert content["as_asked_for"] == ["distance", "coplanarity", "screen-error"]
+    assert [type(trial.lod) for trial in made.comparison.asked] == [
+        DistanceLod,
+        CoplanarityLod,
+        ScreenErrorLod,
+    ]
+    assert content["trials"].keys() == {
+        *content["as_asked_for"],
+        *content["equal_triangles"],
+        *content["equal_error"],
+    }
+
+
+def test_tuned_trials_are_equal_in_what_they_are_tuned_for(made):
+    comparison, other = made.comparison, made.comparison.other
+    for trial in comparison.equal_triangles:
+        assert trial.triangles == pytest.approx(other.triangles, rel=EQUAL_SHARE)
+    for trial in comparison.equal_error:
+        assert trial.seen.maximum == pytest.approx(other.seen.maximum, rel=EQUAL_ERROR_SHARE)
+    assert comparison.equal_triangles[1] is comparison.equal_error[1]
+    asked = [trial.triangles for trial in (comparison.asked[0], comparison.asked[2])]
+    tuned = [
+        (trials[0], trials[2]) for trials in (comparison.equal_triangles, comparison.equal_error)
+    ]
+    assert all(asked != [trial.triangles for trial in pair] for pair in tuned)
 
 
 @pytest.mark.parametrize("share", [0.3, 0.8, 1.5])
-def test_triangle_count_is_found_from_either_side(made, share):
-    terrain, camera = made.comparison.terrain, made.comparison.camera
+@pytest.mark.parametrize("lod", [DistanceLod(), ScreenErrorLod()], ids=["distance", "promise"])
+def test_triangle_count_is_found_from_either_side(made, share, lod):
+    kinds = {type(trial.lod): trial.terrain for trial in made.comparison.asked}
+    terrain, camera = kinds[type(lod)], made.comparison.camera
     wanted = int(share * made.comparison.distance.triangles)
-    lod = with_triangles(terrain, camera, DistanceLod(), wanted)
-    count = len(terrain.mesh(camera, lod=lod).triangles)
-    assert count == pytest.approx(wanted, rel=EQUAL_SHARE)
+
+    def count(each):
+        return len(terrain.mesh(camera, lod=each).triangles)
+
+    found = tuned(lod, wanted, count, share=EQUAL_SHARE, rises=True)
+    assert count(found) == pytest.approx(wanted, rel=EQUAL_SHARE)
+
+
+def test_what_jumps_past_is_met_as_nearly_as_it_can_be():
+    found = tuned(
+        DistanceLod(), 3.0, lambda lod: 2.0 if lod.maximum < 7 else 10.0, share=0.01, rises=True
+    )
+    assert found.maximum < 7
 
 
 def test_csv_and_json_hold_the_same_numbers(made, content):
@@ -125,6 +163,7 @@ def test_csv_and_json_hold_the_same_numbers(made, content):
             assert row[name] == ("" if value is None else repr(value))
 
 
+@pytest.mark.slow
 def test_same_files_twice_save_for_times(ground, made, tmp_path):
     again = report(ground, tmp_path, camera=small_camera(ground))
     assert again.files.keys() == made.files.keys()
@@ -137,7 +176,8 @@ def test_same_files_twice_save_for_times(ground, made, tmp_path):
     for kind in ("json", "csv"):
         assert timeless(again.files[kind]) == timeless(made.files[kind])
     pages = [
-        re.sub(r"[\d.]+( ms|</td>)", "", made.files["html"].read_text()) for made in (made, again)
+        re.sub(r"[\d.]+( ms|</td>)|<p>With as many.*", "", one.files["html"].read_text())
+        for one in (made, again)
     ]
     assert pages[0] == pages[1]
 
@@ -177,6 +217,7 @@ def test_page_is_whole_and_holds_everything(made):
     assert len(page.sources) == len(made.files) - 3  # pictures and maps
 
 
+@pytest.mark.slow
 def test_maps_are_drawn_without_graphics_and_say_so(ground, tmp_path, monkeypatch):
     for name in ("reports.report", "reports.pictures"):
         module = import_module(f"terrain_lod.{name}")
@@ -197,7 +238,7 @@ def test_maps_are_drawn_without_graphics_and_say_so(ground, tmp_path, monkeypatc
 @pytest.mark.skipif(graphics_problem() is not None, reason=f"no 3-D pictures: {graphics_problem()}")
 def test_pictures_have_the_cameras_size(made):
     pictures = [path for path in made.files.values() if path.suffix == ".png"]
-    assert len(pictures) == 7
+    assert len(pictures) == 10
     for path in pictures:
         with Image.open(path) as picture:
             assert picture.size == (160, 90)
@@ -241,25 +282,44 @@ def test_difference_is_black_where_same_and_white_where_opposite():
 
 def test_verdict_follows_the_numbers(made):
     comparison = made.comparison
-    ours, equal = comparison.other, comparison.equal
+    distance, other, screen = comparison.equal_triangles
 
-    def at_equal_counts(rms):
-        error = replace(equal.error, rms=rms)
-        return verdict(replace(comparison, equal=replace(equal, error=error)), None)[1]
+    def with_pixels(*values):
+        trials = tuple(
+            replace(trial, seen=replace(trial.seen, maximum=value))
+            for trial, value in zip((distance, other, screen), values, strict=True)
+        )
+        return verdict(replace(comparison, equal_triangles=trials))
 
-    assert "coplanarity LOD is 50.0% closer to the ground" in at_equal_counts(2 * ours.error.rms)
-    assert "coplanarity LOD is 25.0% farther from the ground" in at_equal_counts(
-        0.8 * ours.error.rms
+    first, _, so, _ = with_pixels(3.0, 2.0, 1.0)
+    assert "screen-error LOD is at most 1 px off" in first
+    assert first.index("coplanarity LOD 2 px") < first.index("distance LOD 3 px")
+    assert "screen-error LOD is the better choice" in so
+    assert "distance LOD is at most 0.5 px off" in with_pixels(0.5, 2.0, 1.0)[0]
+    assert "distance LOD is nearer" in with_pixels(0.5, 2.0, 1.0)[2]
+    assert comparison.equal_error[2].triangles < other.triangles
+    assert f"screen-error LOD draws {comparison.equal_error[2].triangles:,}" in made.verdict[1]
+    # distance could not be tuned
+    missed = (comparison.distance, *comparison.equal_triangles[1:])
+    assert (
+        "Distance LOD could not be made to draw as many"
+        in (verdict(replace(comparison, equal_triangles=missed))[0])
     )
-    assert "equally far" in at_equal_counts(ours.error.rms)
-    assert "coplanarity LOD is farther from the ground" in at_equal_counts(0.0)
-    # the other way round, coplanarity draws more
-    swapped = replace(comparison, distance=ours, other=comparison.distance)
-    assert "more triangles than distance LOD" in verdict(swapped, None)[0]
-    assert "could not be made to draw as many" in verdict(swapped, None)[1]
-    assert "fewer triangles than distance LOD" in verdict(comparison, None)[0]
 
 
+def test_times_that_differ_are_explained(made):
+    slow, fast = made.comparison.equal_triangles[:2]
+    fast = replace(fast, runs=({"hull": 0.001, "domain": 0.001},) * 3)
+    slow = replace(slow, runs=({"hull": 0.009, "domain": 0.001},) * 3)
+    (told,) = why_times_differ([slow, fast])
+    assert "distance LOD takes 400% longer than coplanarity LOD" in told
+    assert "the stage “hull”, 8 ms more" in told
+    unsteady = replace(slow, runs=({"hull": 0.001}, {"hull": 0.009}, {"hull": 0.009}))
+    assert "cannot tell" in why_times_differ([unsteady, fast])[0]
+    assert why_times_differ([fast, replace(fast, name="other")]) == []
+
+
+@pytest.mark.slow
 def test_nothing_in_view_is_said(ground, tmp_path):
     camera = small_camera(ground)
     away = replace(camera, target=tuple(np.add(camera.eye, (0.0, -1.0, 0.5))))
@@ -271,6 +331,7 @@ def test_nothing_in_view_is_said(ground, tmp_path):
     assert content["trials"]["distance"]["quantities"]["error_rms"] is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "heights",
     [np.zeros((2, 2)), np.zeros((40, 17)), np.where(np.eye(50), np.nan, 3.0)],
@@ -308,6 +369,7 @@ def test_device_bytes_are_what_the_device_holds(masked):
     assert device.allocated - before == device_bytes(terrain, mesh)["terrain"]
 
 
+@pytest.mark.slow
 def test_progress_rises_to_the_end(ground, tmp_path):
     seen = []
     report(ground, tmp_path, camera=small_camera(ground), progress=lambda *step: seen.append(step))
@@ -332,5 +394,5 @@ def test_bad_input_writes_nothing(ground, tmp_path):
 def test_comparison_uses_the_edge_rule(ground):
     terrain, camera = Terrain(ground, levels=1), small_camera(ground)
     lods = {"distance": DistanceLod(), "lod": CoplanarityLod()}
-    low, high = (compare_pair(terrain, camera, edge_rule=rule, **lods) for rule in ("min", "max"))
+    low, high = (compare_at(terrain, camera, edge_rule=rule, **lods) for rule in ("min", "max"))
     assert high.other.triangles > low.other.triangles

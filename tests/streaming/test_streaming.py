@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 import terrain_lod as tl
 from support.pyramids import rugged
+from terrain_lod.streaming.window import Window
 
 pytest.importorskip("zarr")
 
@@ -58,6 +60,7 @@ def test_metres_are_kept_at_every_sample(
     np.testing.assert_allclose((high - low)[:2], ground.extent)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pixels", [3.0, 0.5])
 def test_pixels_are_kept_where_levels_meet(
     terrain: tl.StreamingTerrain, ground: tl.Heightmap, pixels: float
@@ -75,6 +78,7 @@ def test_pixels_are_kept_where_levels_meet(
     assert len(sizes) >= 3
 
 
+@pytest.mark.slow
 def test_it_costs_little_more_than_in_memory(
     terrain: tl.StreamingTerrain, ground: tl.Heightmap
 ) -> None:
@@ -83,6 +87,7 @@ def test_it_costs_little_more_than_in_memory(
     assert len(terrain.mesh(lod=lod).triangles) < 1.5 * len(whole.triangles)
 
 
+@pytest.mark.slow
 def test_holes_stay_holes(tmp_path: Path) -> None:
     ground = tl.Heightmap(heights(holes=True), spacing=30.0)
     tl.build(heights(holes=True), tmp_path / "a.tlod", chunk=CHUNK, spacing=30.0)
@@ -96,6 +101,7 @@ def test_holes_stay_holes(tmp_path: Path) -> None:
     assert np.isnan(terrain.height_at([[x, y]])).all()
 
 
+@pytest.mark.slow
 def test_memory_is_never_passed(store: Path) -> None:
     with pytest.raises(tl.InputError, match=r"expected memory of at least 0\.209 MB"):
         tl.open(store, memory="0.1MB")
@@ -185,3 +191,40 @@ def test_what_is_not_to_be_had_is_said(store: Path, terrain: tl.StreamingTerrain
             tl.open(store, memory=wrong)
     assert tl.open(store, memory="1.5 GB").memory == 1_500_000_000
     assert tl.open(store, memory=10**9).memory == 10**9
+
+
+def test_a_slow_flight_makes_few_chunks_anew_and_keeps_its_promise(
+    store: Path, ground: tl.Heightmap, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    terrain, made, real = tl.open(store, memory="200MB"), [], Window.made
+
+    def counted(window: Window, *arguments: Any) -> Any:
+        made.append(window.place)
+        return real(window, *arguments)
+
+    monkeypatch.setattr(Window, "made", counted)
+    counts = []
+    for step in range(8):
+        x = 500.0 + 20.0 * step
+        camera = tl.Camera((x, -2000.0, 900.0), (x + 900, -1700.0, 300.0), size=(640, 360))
+        made.clear()
+        mesh = terrain.mesh(camera)
+        counts.append(len(made))
+        assert mesh.achieved is not None
+        assert mesh.achieved.kept
+        assert tl.screen_error(mesh, ground, camera).maximum <= mesh.achieved.pixels <= 1.0
+        assert not tl.crack_report(mesh)
+    assert counts[0] >= 8
+    assert sum(counts[1:]) < 0.5 * 7 * counts[0]
+    # another error, or a turn of the head, is another view
+    made.clear()
+    terrain.mesh(camera, lod=tl.ScreenErrorLod(0.25))
+    assert len(made) > 0.8 * counts[0]
+    made.clear()
+    behind = tl.Camera(camera.eye, (x - 900, -2300.0, 300.0), size=(640, 360))
+    mesh = terrain.mesh(behind)
+    assert made
+    assert tl.screen_error(mesh, ground, behind).maximum <= 1.0
+    made.clear()
+    assert terrain.mesh(behind).vertices.tobytes() == mesh.vertices.tobytes()
+    assert not made

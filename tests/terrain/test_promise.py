@@ -53,6 +53,7 @@ def test_pixels(name: str, tile: int) -> None:
         assert not found.maximum > mesh.achieved.pixels + 1e-4
 
 
+@pytest.mark.slow
 def test_what_is_chosen_holds_when_it_is_measured() -> None:
     rounds = [
         tl.Terrain(ground, tile=tile).mesh(**ODD, lod=tl.MaxErrorLod(metres)).achieved.rounds

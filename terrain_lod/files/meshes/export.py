@@ -29,6 +29,7 @@ from ...mesh.mesh import Mesh
 from ...mesh.soundness import sound_mesh
 from ...paths import replacing
 from .glb import write_glb
+from .picture import packed, write_beside
 from .raw import ORIGIN_MARK
 
 _log = logging.getLogger(__name__)
@@ -37,7 +38,7 @@ _log = logging.getLogger(__name__)
 _STL_HEADER: Final = 80
 
 
-def save(mesh: Mesh, path: str | Path) -> Path:
+def save(mesh: Mesh, path: str | Path, picture: Any = None) -> Path:
     """Write a mesh to a file; see :meth:`terrain_lod.Mesh.save`."""
     path = file_path("path", path)
     write = FORMATS.get(path.suffix.lower())
@@ -49,8 +50,21 @@ def save(mesh: Mesh, path: str | Path) -> Path:
     if not len(mesh.triangles):
         raise InputError(f"expected triangles to save in {path.name}, got an empty mesh")
     sound_mesh(mesh)
-    with replacing(path) as temporary:
-        write(mesh, temporary)
+    if picture is None:
+        with replacing(path) as temporary:
+            write(mesh, temporary)
+        return path
+    content = packed(picture, mesh)
+    if write is write_glb:
+        with replacing(path) as temporary:
+            write_glb(mesh, temporary, content)
+    elif write is _write_obj:
+        with replacing(path) as temporary:
+            _write_obj(mesh, temporary)
+            start = write_beside(content, path).encode()
+            temporary.write_bytes(start + temporary.read_bytes())
+    else:
+        raise InputError(f"expected .glb or .obj for a mesh with a picture, got {path.name}")
     return path
 
 

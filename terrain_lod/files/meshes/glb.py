@@ -6,7 +6,8 @@
     JSON chunk  node (rotation, translation, extras) -> mesh -> accessors -> views of the buffer
     BIN chunk   positions (V, 3) float32 | normals (V, 3) float32 | corners (T, 3) uint32
                 | texture coordinates (V, 2) float32, where there are any
-                | tangents (V, 4) float32 | a PNG, where there is a normal map
+                | with a normal map, tangents (V, 4) float32 | its PNG
+                | the JPEG that lies over the mesh, where there is one
 
 glTF is y-up: its viewers want x right, y up, z towards the eye. The vertices stay as they are, z up
 and relative to the mesh's origin; the node turns them by -90 degrees about x and carries the
@@ -21,7 +22,6 @@ from __future__ import annotations
 import json
 import struct
 from io import BytesIO
-from itertools import zip_longest
 from pathlib import Path
 from typing import Any, Final
 
@@ -42,13 +42,13 @@ _LARGEST: Final = 2**32 - 1
 # numbers of the specification
 _FLOAT, _UNSIGNED_INT = 5126, 5125
 _VERTEX_DATA, _INDEX_DATA = 34962, 34963
-_LINEAR, _CLAMP = 9729, 33071
+_LINEAR, _CLAMPED = 9729, 33071
 # -90 degrees about x, as a quaternion x, y, z, w
 _Z_UP_TO_Y_UP: Final = [-(0.5**0.5), 0.0, 0.0, 0.5**0.5]
 
 
-def write_glb(mesh: Mesh, path: Path) -> None:
-    """Write a mesh with at least one triangle.
+def write_glb(mesh: Mesh, path: Path, picture: bytes | None = None) -> None:
+    """Write a mesh with at least one triangle, and the JPEG that lies over it.
 
     Raises
     ------
@@ -62,10 +62,15 @@ def write_glb(mesh: Mesh, path: Path) -> None:
     ]
     if mesh.textures is not None:
         views.append(np.ascontiguousarray(textures_upside_down(mesh.textures), "<f4"))
+    pictures: dict[str, npt.NDArray[np.uint8]] = {}
     if mesh.normal_map is not None:
         views.append(np.ascontiguousarray(mesh.normal_map.tangents, "<f4"))
-        views.append(_png(mesh.normal_map.pixels))
-    text = json.dumps(_document(mesh, views), separators=(",", ":"), allow_nan=False).encode()
+        pictures["image/png"] = _png(mesh.normal_map.pixels)
+    if picture is not None:
+        pictures["image/jpeg"] = np.frombuffer(picture, np.uint8)
+    document = _document(mesh, views, pictures)
+    views += [np.pad(each, (0, -len(each) % 4)) for each in pictures.values()]
+    text = json.dumps(document, separators=(",", ":"), allow_nan=False).encode()
     text += b" " * (-len(text) % 4)
     size = sum(view.nbytes for view in views)
     total = _HEADER.size + 2 * _CHUNK.size + len(text) + size
@@ -89,10 +94,10 @@ def textures_upside_down(textures: npt.NDArray[np.float32]) -> npt.NDArray[np.fl
 
 
 def _png(pixels: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
-    """Return a PNG's bytes, padded to a multiple of 4 behind its end."""
+    """Return a PNG's bytes."""
     file = BytesIO()
     Image.fromarray(pixels).save(file, format="png")
-    return np.frombuffer(file.getvalue() + b"\0" * (-file.tell() % 4), np.uint8)
+    return np.frombuffer(file.getvalue(), np.uint8)
 
 
 def _unit(normals: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
@@ -107,7 +112,9 @@ def _unit(normals: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
     return unit
 
 
-def _document(mesh: Mesh, views: list[npt.NDArray[Any]]) -> dict[str, Any]:
+def _document(
+    mesh: Mesh, views: list[npt.NDArray[Any]], pictures: dict[str, npt.NDArray[np.uint8]]
+) -> dict[str, Any]:
     """Return the JSON chunk's content."""
     x, y, z = (float(value) for value in mesh.origin)
     extras = {"origin": [x, y, z], "axes": "vertices: x east, y north, z up, relative to origin"}
@@ -124,17 +131,29 @@ def _document(mesh: Mesh, views: list[npt.NDArray[Any]]) -> dict[str, Any]:
     if mesh.textures is not None:
         attributes["TEXCOORD_0"] = 3
     primitive = {"attributes": attributes, "indices": 2, "material": 0}
-    matt = {"baseColorFactor": [0.8, 0.8, 0.8, 1.0], "metallicFactor": 0.0, "roughnessFactor": 1.0}
+    matt: dict[str, Any] = {
+        "baseColorFactor": [0.8, 0.8, 0.8, 1.0],
+        "metallicFactor": 0.0,
+        "roughnessFactor": 1.0,
+    }
     material: dict[str, Any] = {"name": "matt", "pbrMetallicRoughness": matt}
-    pictures: dict[str, Any] = {}
     if mesh.normal_map is not None:
         attributes["TANGENT"] = 4
         material["normalTexture"] = {"index": 0}
-        pictures = {
-            "images": [{"bufferView": 5, "mimeType": "image/png"}],
-            "samplers": [{"magFilter": _LINEAR, "wrapS": _CLAMP, "wrapT": _CLAMP}],
-            "textures": [{"sampler": 0, "source": 0}],
+    if "image/jpeg" in pictures:
+        over = {"index": len(pictures) - 1}
+        matt |= {"baseColorFactor": [1.0, 1.0, 1.0, 1.0], "baseColorTexture": over}
+    shown: dict[str, Any] = {}
+    if pictures:
+        shown = {
+            "images": [
+                {"bufferView": len(views) + index, "mimeType": kind}
+                for index, kind in enumerate(pictures)
+            ],
+            "samplers": [{"magFilter": _LINEAR, "wrapS": _CLAMPED, "wrapT": _CLAMPED}],
+            "textures": [{"source": index, "sampler": 0} for index in range(len(pictures))],
         }
+    stored = [*views, *pictures.values()]
     return {
         "asset": {"version": "2.0", "generator": GENERATOR},
         "scene": 0,
@@ -142,10 +161,10 @@ def _document(mesh: Mesh, views: list[npt.NDArray[Any]]) -> dict[str, Any]:
         "nodes": [node],
         "meshes": [{"name": "terrain", "primitives": [primitive]}],
         "materials": [material],
-        **pictures,
-        "accessors": _accessors(*views[:5]),
-        "bufferViews": _buffer_views(views),
-        "buffers": [{"byteLength": sum(view.nbytes for view in views)}],
+        **shown,
+        "accessors": _accessors(*views),
+        "bufferViews": _buffer_views(views, list(pictures.values())),
+        "buffers": [{"byteLength": sum(-(-each.nbytes // 4) * 4 for each in stored)}],
     }
 
 
@@ -173,12 +192,16 @@ def _accessors(
     ]
 
 
-def _buffer_views(views: list[npt.NDArray[Any]]) -> list[dict[str, int]]:
+def _buffer_views(
+    views: list[npt.NDArray[Any]], pictures: list[npt.NDArray[np.uint8]]
+) -> list[dict[str, int]]:
     targets = (_VERTEX_DATA, _VERTEX_DATA, _INDEX_DATA, _VERTEX_DATA, _VERTEX_DATA)
-    offsets = np.cumsum([0, *(view.nbytes for view in views)]).tolist()
-    described: list[dict[str, int]] = []
-    for view, offset, target in zip_longest(views, offsets[:-1], targets[: len(views)]):
-        described.append({"buffer": 0, "byteOffset": offset, "byteLength": view.nbytes})
-        if target is not None:  # a picture has none
-            described[-1]["target"] = target
+    described, offset = [], 0
+    for view, target in zip(views, targets, strict=False):
+        place = {"buffer": 0, "byteOffset": offset, "byteLength": view.nbytes}
+        described.append({**place, "target": target})
+        offset += view.nbytes
+    for picture in pictures:  # no vertices
+        described.append({"buffer": 0, "byteOffset": offset, "byteLength": picture.nbytes})
+        offset += picture.nbytes + -picture.nbytes % 4
     return described

@@ -16,10 +16,11 @@ from ...ground.heightmap import Heightmap
 from .formats import Format, format_of
 from .labelled import is_labelled, name_of, read_labelled
 from .mercator import checked_tile, tile_of, with_tile
-from .nodata import undeclared
+from .nodata import suspects
 from .parts import Part
 from .raster import Raster
 from .reading import reading_of
+from .reprojection import reprojected
 
 
 def load(
@@ -35,6 +36,7 @@ def load(
     z_unit: str | None = None,
     z_scale: float | None = None,
     tile: tuple[int, int, int] | None = None,
+    crs: str | None = None,
 ) -> Heightmap:
     """Load ground from a file of heights, or from an array of xarray.
 
@@ -107,6 +109,11 @@ def load(
     tile : (z, x, y), optional
         Which tile of the web's map an image is. It gives terrain-RGB its spacing, origin and CRS;
         a path that ends in ``z/x/y.png`` does so, too.
+    crs : str, optional
+        Bring the ground to this projection, a code such as ``"EPSG:32632"`` or WKT; ``"utm"`` is
+        the zone of Universal Transverse Mercator that its middle is in. Samples of the new grid
+        are bilinear between the file's, `spacing` apart where that is given. A warning says how
+        far this ground is from the file's own samples at most. Needs rasterio.
 
     Returns
     -------
@@ -130,7 +137,8 @@ def load(
     UserWarning
         If the heights have 8 bits (slopes become stairs); if spacing or the unit of heights is a
         guess; if PROJ refuses the CRS; if a value that no ground has (-9999, -32768, 3.4e38 ...)
-        stands among heights and nobody said that it is nodata.
+        stands among heights and nobody said that it is nodata; with `crs`, how far the ground is
+        from the file's own samples.
     """
     part = Part.of(bounds, window, overview, band)
     numbered = None if tile is None else checked_tile(tile)
@@ -153,7 +161,7 @@ def load(
     with _within_memory(name):
         ground, notes = _ground_of(
             raster, name, spacing=spacing, height_range=height_range, nodata=nodata,
-            z_unit=z_unit, z_scale=z_scale,
+            z_unit=z_unit, z_scale=z_scale, crs=crs,
         )  # fmt: skip
     for note in notes:
         warnings.warn(note, stacklevel=2)
@@ -218,19 +226,28 @@ def _ground_of(
     nodata: float | None = None,
     z_unit: str | None = None,
     z_scale: float | None = None,
+    crs: str | None = None,
 ) -> tuple[Heightmap, tuple[str, ...]]:
     """Return the ground that a file's content makes, and what a user ought to be warned of."""
+    off = None
+    if crs is not None:
+        if height_range is not None:
+            raise InputError("expected height_range or crs, got both: a map has heights already")
+        raster, off = reprojected(raster, nodata, name, crs, spacing)
+        nodata, spacing = None, "map"
     reading = reading_of(
         raster, name, spacing=spacing, height_range=height_range, nodata=nodata,
         z_unit=z_unit, z_scale=z_scale,
     )  # fmt: skip
     hole, notes = reading.holes(raster), reading.notes
-    if reading.metres is not None and raster.values.dtype.kind in "iuf" and raster.offset == 0:
-        notes += tuple(
-            f"{name} holds {value:g} in {count:,} of {raster.values.size:,} samples, which "
-            f"looks like nodata that is not declared: nodata={value:.9g} leaves them out"
-            for value, count in undeclared(raster.values, hole, reading.metres)
+    if off is not None:
+        off *= abs(raster.scale * reading.factor)
+        notes += (
+            f"{name} is brought to {str(crs)[:60]}: within {off:.3g} {reading.units[1]} of its own "
+            "samples",
         )
+    elif reading.metres is not None and raster.values.dtype.kind in "iuf" and raster.offset == 0:
+        notes += suspects(raster, hole, name, reading.metres)
     ground = Heightmap(
         reading.heights(raster), spacing=reading.spacing, origin=reading.origin, mask=hole,
         crs=reading.crs, units=reading.units, name=name,

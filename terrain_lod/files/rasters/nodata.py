@@ -7,6 +7,8 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
+from .raster import Raster
+
 # what programs write where they know no height
 SENTINELS: Final = (-32767.0, -32768.0, -9999.0, -99999.0, 3.4028234663852886e38,
                     -3.4028234663852886e38)  # fmt: skip
@@ -37,6 +39,17 @@ def is_nodata(values: npt.NDArray[Any], nodata: float) -> npt.NDArray[np.bool_]:
     hole: npt.NDArray[np.bool_] = values >= low
     hole &= values <= high
     return hole
+
+
+def suspects(
+    raster: Raster, hole: npt.NDArray[np.bool_] | None, name: str, metres: float
+) -> tuple[str, ...]:
+    """Return what to warn a user of: values that look like nodata, as :func:`undeclared` has it."""
+    return tuple(
+        f"{name} holds {value:g} in {count:,} of {raster.values.size:,} samples, which "
+        f"looks like nodata that is not declared: nodata={value:.9g} leaves them out"
+        for value, count in undeclared(raster.values, hole, metres)
+    )
 
 
 def undeclared(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import re
 from dataclasses import dataclass
 from typing import Final, Literal
 
@@ -12,11 +13,17 @@ from ...ground.units import METRE, UNITS, Unit, unit_called
 from . import mercator
 from .degrees import TOLERANCE, Pair, flat_degrees, map_stretch, told_apart
 from .raster import Raster
+from .wkt import System
 
 MAP: Final = "map"
 Spacing = float | Pair | Literal["map"]
 
 log = logging.getLogger(__name__)
+
+_LOCAL: Final = re.compile(
+    r'LOCAL_CS\["(?P<of>(?:degrees of )?(?P<code>\w+:\w+)|degrees|its CRS) '
+    r'times (?P<east>[-+.\de]+) east, (?P<north>[-+.\de]+) north"'
+)
 
 
 @dataclass(frozen=True)
@@ -77,8 +84,7 @@ def height_factor(
         if found != unit:
             log.info("%s has heights in %s: brought to %s", name, found.name, unit.name)
         return _ratio(found, unit), ()
-    # feet go with feet, as surveys have them; on any other map heights are metres
-    assumed = unit if "foot" in unit.name else METRE
+    assumed = _assumed(unit)
     notes: tuple[str, ...] = ()
     if said and said.lower() not in UNSAID:
         notes = (f"{name} has heights in {said!r}, an unknown unit: taken as {assumed.name}; "
@@ -87,6 +93,16 @@ def height_factor(
         notes = (f"{name} is in {unit.name} and does not say what its heights are in: taken as "
                  f"{assumed.name}, too; z_unit= says otherwise",)  # fmt: skip
     return _ratio(assumed, unit), notes
+
+
+def unit_of_heights(system: System) -> Unit:
+    """Return the unit of heights that a system names, or else the one that goes with its map."""
+    return system.height_unit or _assumed(system.unit or METRE)
+
+
+def _assumed(unit: Unit) -> Unit:
+    # feet go with feet, as surveys have them; on any other map heights are metres
+    return unit if "foot" in unit.name else METRE
 
 
 # what programs write for a unit that they do not know
@@ -193,6 +209,25 @@ def _could_be_degrees(raster: Raster) -> bool:
     (x, y), (dx, dy) = raster.origin, raster.step
     # steps of 72 arc-seconds or 2 cm, and numbers that are longitudes and latitudes
     return 0 < max(dx, dy) < 0.02 and -180 <= x <= 360 and -90 <= y <= 90
+
+
+def map_of(crs: str) -> tuple[str, Pair]:
+    """Return the map that lengths of a CRS were on, and what one of its units is in them.
+
+    The way back from what :func:`_local` writes; any other CRS is its own map.
+
+    Raises
+    ------
+    InputError
+        If the map has no code to find it by.
+    """
+    found = _LOCAL.match(crs)
+    if found is None:
+        return crs, (1.0, 1.0)
+    code = found["code"] or ("EPSG:4326" if found["of"].startswith("degrees") else "")
+    if not code:
+        raise InputError(f"expected ground on a map with a code, such as EPSG:3857, got {crs[:60]}")
+    return code, (float(found["east"]), float(found["north"]))
 
 
 def _is_code(crs: str) -> bool:

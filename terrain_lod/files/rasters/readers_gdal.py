@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 import zipfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -91,6 +92,26 @@ def _dataset(path: Path, part: Part) -> Iterator[tuple[Any, str]]:
             f"expected a raster that GDAL reads in {path.name}, got a part of one or something "
             f"else ({' '.join(reason.split())[:200]})"
         ) from error
+
+
+@contextmanager
+def opened_picture(path: Path) -> Iterator[Any]:
+    """Open a picture, whatever its bands are; errors are our own."""
+    if not has_rasterio():
+        raise MissingExtraError(f"expected rasterio, for {path.name}, got no such package: {EXTRA}")
+    import rasterio
+    from rasterio._err import CPLE_BaseError
+    from rasterio.errors import RasterioError
+
+    try:
+        with quiet_rasterio(), rasterio.Env(), warnings.catch_warnings():
+            # a picture without a place is one all the same
+            warnings.simplefilter("ignore")
+            with rasterio.open(path) as file:
+                yield file
+    except (RasterioError, CPLE_BaseError) as error:
+        reason = " ".join(str(error.__cause__ or error).split())[:200]
+        raise FileError(f"expected a picture that GDAL reads in {path.name} ({reason})") from error
 
 
 def place_of_image(path: Path, raster: Raster) -> tuple[Raster, Affine | None]:
@@ -280,7 +301,7 @@ def in_system_called(raster: Raster, name: str) -> Raster:
     """Return `raster` in the system that a code such as ``"EPSG:25832"``, or WKT, stands for."""
     if name.startswith(OWN):
         return replace(raster, system=system_of(name))
-    with _crs_called(name) as crs:
+    with crs_called(name) as crs:
         return _in_system(raster, crs)
 
 
@@ -288,12 +309,13 @@ def wkt_called(name: str) -> str:
     """Return the well-known text of the system that a code, or WKT, stands for."""
     if name.startswith(OWN):
         return name
-    with _crs_called(name) as crs:
+    with crs_called(name) as crs:
         return str(crs.to_wkt())
 
 
 @contextmanager
-def _crs_called(name: str) -> Iterator[Any]:
+def crs_called(name: str) -> Iterator[Any]:
+    """Yield the system of rasterio that a code, or WKT, stands for."""
     if not has_rasterio():
         raise MissingExtraError(
             f"expected rasterio, for the CRS {name[:60]}, got no such package: {EXTRA}"

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Final
 
-from ..html import card, figure, listing, paragraph, row_of_figures, section
+from ..html import card, definitions, figure, listing, paragraph, row_of_figures, section
 from ..template import filled_page
 from .outcome import SweepReport
+from .peers import PEERS
 from .trials import Result
 
 _COST_HEADS: Final = (
-    "",
+    "Asked for",
     "Edges",
     "Triangles",
     "Whole, ms",
@@ -74,8 +75,9 @@ def _sections(made: SweepReport) -> Iterator[str]:
         figure(made.files["triangles"], "Triangles against the largest error"),
         figure(made.files["time"], "Time from raster to mesh against the largest error, warm"),
     )
-    yield _seen(made)
+    yield _broken(made)
     yield _tried(made)
+    yield _seen(made)
     yield section(
         "Time and memory",
         paragraph(
@@ -86,14 +88,15 @@ def _sections(made: SweepReport) -> Iterator[str]:
             "Peak: host memory that the first call took on top, where the system tells.",
             kind="soft",
         ),
-        listing(_COST_HEADS, map(_cost_line, made.sweep), words=2),
+        listing("Time and memory", _COST_HEADS, _grouped(made.sweep, _cost_line), words=2),
     )
     yield section(
         "Tile sizes",
         paragraph("The two promises at one tolerance, in tiles of every size.", kind="soft"),
         listing(
-            ("", "Tile", *_heads(made)[1:]),
-            ([line[0], str(r.contender.tile), *line[1:]] for r in made.tiles if (line := _line(r))),
+            "Tile sizes",
+            ("Asked for", "Tile", *_heads(made)[1:]),
+            _grouped(made.tiles, _tile_line),
             words=3,
         ),
     )
@@ -104,8 +107,8 @@ def _heads(made: SweepReport) -> tuple[str, ...]:
     """Return the titles of the columns."""
     up = made.course.ground.unit_symbols[1]
     return (
-        "", "Edges", "Triangles", f"Largest, {up}", f"RMS, {up}", "Largest, px", "RMS, px", "Kept",
-        "Pop, px", "Whole, ms",
+        "Asked for", "Edges", "Triangles", f"Largest, {up}", f"RMS, {up}", "Largest, px", "RMS, px",
+        "Kept", "Pop, px", "Whole, ms",
     )  # fmt: skip
 
 
@@ -120,8 +123,8 @@ def _tried(made: SweepReport) -> str:
             "the next of 240 pictures of the flight.",
             kind="soft",
         ),
-        listing(_heads(made), map(_line, made.sweep), words=2),
-        *(_absent(made.missing) if made.missing else ()),
+        listing("Everything tried", _heads(made), _grouped(made.sweep, _line), words=2),
+        *_absent(made.missing),
     )
 
 
@@ -134,6 +137,7 @@ def _popping(made: SweepReport) -> str:
             kind="soft",
         ),
         listing(
+            "Popping",
             ("Partitioning", "Triangles", "Largest pop, px", "RMS, px"),
             (
                 (
@@ -149,10 +153,44 @@ def _popping(made: SweepReport) -> str:
 
 
 def _absent(missing: Sequence[str]) -> Iterator[str]:
-    yield paragraph(
-        f"Not installed and so not compared: {', '.join(missing)}. "
-        "pip install 'terrain_lod[compare]' brings them."
+    """Return which peers are not there, and the commands that install them."""
+    commands = [(peer.name, peer.command) for peer in PEERS if peer.name in missing]
+    if commands:
+        yield paragraph("Not installed and so not compared, with the command that installs each:")
+        yield definitions(commands)
+
+
+def _broken(made: SweepReport) -> str:
+    """Return every error that was asked for and not kept; the worst first."""
+    broken = [result for result in made.results if result.broken is not None]
+    title = "What was broken, and by how much"
+    if not broken:
+        return section(title, paragraph("Nothing: every error asked for is the error measured."))
+    lines = [
+        (
+            r.contender.name,
+            r.contender.setting,
+            _short(r.metres if r.contender.asked_metres else r.pixels),
+            f"× {r.broken:.3g}",
+        )
+        for r in sorted(broken, key=lambda result: -(result.broken or 0.0))
+    ]
+    heads = ("Maker", "Asked for", "Measured, same unit", "Times as much")
+    return section(
+        title,
+        paragraph("The largest error at any sample, measured from the triangles.", kind="soft"),
+        listing(title, heads, lines, words=2),
     )
+
+
+def _grouped(
+    results: Sequence[Result], line: Callable[[Result], Sequence[str]]
+) -> dict[str, list[Sequence[str]]]:
+    """Return lines by maker, under its name and what it makes."""
+    groups: dict[str, list[Sequence[str]]] = {}
+    for each in results:
+        groups.setdefault(f"{each.contender.name}. {each.contender.purpose}", []).append(line(each))
+    return groups
 
 
 def _seen(made: SweepReport) -> str:
@@ -161,7 +199,8 @@ def _seen(made: SweepReport) -> str:
     if not names:
         return section("Where the triangles go", paragraph("This machine draws no 3-D pictures."))
     ramp = '<div class="ramp"><span>64 cells a segment</span><i></i><span>1</span></div>'
-    pictures = [figure(made.files[name], name) for name in names]
+    called = {result.contender.family: result.contender.name for result in made.sweep}
+    pictures = [figure(made.files[name], called[name]) for name in names]
     return section(
         "Where the triangles go",
         paragraph("The first view, each patch coloured by how long its segments are.", kind="soft"),
@@ -183,6 +222,11 @@ def _line(result: Result) -> list[str]:
     ]
 
 
+def _tile_line(result: Result) -> list[str]:
+    first, *rest = _line(result)
+    return [first, str(result.contender.tile), *rest]
+
+
 def _cost_line(result: Result) -> list[str]:
     times = result.times
     return [
@@ -200,8 +244,7 @@ def _cost_line(result: Result) -> list[str]:
 
 def _who(result: Result) -> tuple[str, str, str]:
     contender = result.contender
-    label = contender.label.removesuffix(f", {contender.edge_rule}")
-    return label, contender.edge_rule, f"{result.triangles:,}"
+    return contender.setting, contender.edge_rule, f"{result.triangles:,}"
 
 
 def _milliseconds(seconds: float | None) -> str:

@@ -42,6 +42,11 @@ class Peer:
     make: Callable[[Heights, float], tuple[npt.NDArray[Any], Corners]]
 
     @property
+    def command(self) -> str:
+        """What installs it."""
+        return f"pip install {'vtk' if self.module == 'vtkmodules' else self.module}"
+
+    @property
     def is_installed(self) -> bool:
         return find_spec(self.module) is not None
 

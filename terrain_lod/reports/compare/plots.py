@@ -92,7 +92,7 @@ def _draw(ax: Axes, results: Sequence[Result], pair: Pair) -> None:
             *zip(*points, strict=True),
             *(mark + ("--" if is_peer else "-"),),
             color=colour,
-            label=family,
+            label=next(r.contender.name for r in results if r.contender.family == family),
             linewidth=1.2,
             markersize=5,
             **look,

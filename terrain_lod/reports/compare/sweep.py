@@ -11,7 +11,7 @@ import numpy as np
 from ...device.layout import DEFAULT_TILE, FLAT_TILE, PARTITIONINGS
 from ...errors import InputError
 from ...ground.heightmap import Heightmap
-from ...numbered import Number, begin, numbers_of
+from ...numbered import Number, begin, numbers_of, summary_of
 from ...terrain.lod import AnyLod, Lod, PromiseLod, Weighted, unweighted
 from ...terrain.lod_formulas import DistanceLod
 from ...terrain.lod_promises import BudgetLod, MaxErrorLod, ScreenErrorLod
@@ -89,11 +89,35 @@ class Contender:
         return self.parameter if self.unit == "pixels" and self.promises else None
 
     @property
+    def name(self) -> str:
+        """What people call it: "Screen error", "Coplanarity, weighted", or the peer's name."""
+        if self.peer is not None:
+            return self.peer.name
+        kind = type(unweighted(self.lod)) if self.lod is not None else None
+        named = (name for name, each in LODS.items() if each is kind and ":" not in name)
+        name = next(named, self.family).replace("-", " ")
+        weighted = ", weighted" if isinstance(self.lod, Weighted) else ""
+        return f"{name[:1].upper()}{name[1:]}{weighted}"
+
+    @property
+    def purpose(self) -> str:
+        """What it makes, in a sentence."""
+        if self.peer is not None:
+            return " ".join((self.peer.make.__doc__ or "").split("\n\n")[0].split())
+        words = summary_of(type(unweighted(self.lod))) if self.lod is not None else ""
+        return f"{words[:1].upper()}{words[1:]}."
+
+    @property
+    def setting(self) -> str:
+        """What it is asked for: "5 m"."""
+        unit = {"share": "of the triangles", "m": self.symbol}.get(self.unit, self.unit)
+        return f"{self.parameter:,g} {unit}"
+
+    @property
     def label(self) -> str:
-        """What people read: ``"MaxErrorLod 5 m, edge"``."""
-        unit = {"share": "×", "m": self.symbol}.get(self.unit, self.unit)
+        """What people read: "Max error 5 m, max"."""
         rule = f", {self.edge_rule}" if self.edge_rule else ""
-        return f"{self.family} {self.parameter:,g} {unit}{rule}"
+        return f"{self.name} {self.setting}{rule}"
 
 
 def tolerances(ground: Heightmap) -> tuple[float, ...]:

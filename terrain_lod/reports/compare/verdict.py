@@ -31,7 +31,7 @@ def speeds(sweep: Sequence[Result]) -> list[str]:
             f"{_times_as(theirs.times.whole / ours.times.whole, 'as fast', 'as slow')}"
             for ours, theirs in pairs
         )
-        sentences.append(f"From raster to mesh, MaxErrorLod against pydelatin: {each}.")
+        sentences.append(f"From raster to mesh, max-error LOD against pydelatin: {each}.")
     seen = _find(sweep, "ScreenErrorLod", 1.0)
     if seen is not None and seen.times.view:
         sentences.append(
@@ -43,19 +43,19 @@ def speeds(sweep: Sequence[Result]) -> list[str]:
 
 def _promises(sweep: Sequence[Result]) -> Iterator[str]:
     asked = [r for r in sweep if r.contender.asked_metres or r.contender.asked_pixels]
-    families = dict.fromkeys(result.contender.family for result in asked)
-    kept = [name for name in families if not any(r.broken for r in _of(asked, name))]
+    names = dict.fromkeys(result.contender.name for result in asked)
+    kept = [name for name in names if not any(r.broken for r in _called(asked, name))]
     if kept:
         yield f"Error asked for is error measured, in every case tried: {', '.join(kept)}."
-    for name in families:
-        broken = [r for r in _of(asked, name) if r.broken]
+    for name in names:
+        broken = [r for r in _called(asked, name) if r.broken]
         if broken:
             worst = max(broken, key=lambda result: result.broken or 0.0)
             measured = worst.metres if worst.contender.asked_metres else worst.pixels
             yield (
-                f"{name} broke its own target in {len(broken)} of {len(_of(asked, name))} cases: "
-                f"asked for {_number(worst.contender.parameter)} {worst.contender.unit}, it is off "
-                f"by {measured:.4g}."
+                f"{name} broke its own target in {len(broken)} of {len(_called(asked, name))} "
+                f"cases: asked for {worst.contender.setting}, it is off by {measured:.4g}, "
+                f"{worst.broken:.3g} times that."
             )
 
 
@@ -68,7 +68,7 @@ def _counts(sweep: Sequence[Result]) -> Iterator[str]:
         f"{theirs.triangles:,}, {ours.triangles / theirs.triangles:.3g} times"
         for ours, theirs in pairs
     )
-    yield f"Triangles within an error everywhere, MaxErrorLod against pydelatin: {each}."
+    yield f"Triangles within an error everywhere, max-error LOD against pydelatin: {each}."
     if any(ours.triangles > theirs.triangles for ours, theirs in pairs):
         yield (
             "A greedy Delaunay triangulation is a near-optimal static mesh: where triangles count "
@@ -81,7 +81,7 @@ def _in_view(sweep: Sequence[Result]) -> Iterator[str]:
     if ours is None:
         return
     static = [r for r in sweep if r.contender.peer is not None and r.pixels <= 1.0]
-    what = f"ScreenErrorLod(1.0) draws {ours.triangles:,} triangles in a view"
+    what = f"Within one pixel, screen-error LOD draws {ours.triangles:,} triangles in a view"
     if not static:
         yield f"{what}; no static mesh tried by a peer stays within a pixel over the path."
         return
@@ -98,7 +98,7 @@ def _tile_sizes(tiles: Sequence[Result]) -> Iterator[str]:
         best = min(_of(tiles, family), key=lambda result: result.triangles)
         contender = best.contender
         yield (
-            f"{family} at {_number(contender.parameter)} {contender.unit} needs the fewest "
+            f"{contender.name} at {contender.setting} needs the fewest "
             f"triangles in tiles of {contender.tile} cells: {best.triangles:,}."
         )
 
@@ -122,6 +122,10 @@ def _same_tolerance(sweep: Sequence[Result], peer: str) -> Iterator[tuple[Result
 
 def _of(results: Sequence[Result], family: str) -> list[Result]:
     return [result for result in results if result.contender.family == family]
+
+
+def _called(results: Sequence[Result], name: str) -> list[Result]:
+    return [result for result in results if result.contender.name == name]
 
 
 def _find(results: Sequence[Result], family: str, parameter: float) -> Result | None:
