@@ -32,9 +32,11 @@ from .measure.screen_error import (
     screen_error,
     silhouette_error,
 )
+from .mesh.bake import bake_normals
 from .mesh.device_mesh import DeviceMesh
 from .mesh.hits import Hits
 from .mesh.mesh import Achieved, Mesh, Patches
+from .mesh.normal_map import NormalMap
 from .mesh.queries import MeshQueries
 from .numbered import Number, number
 from .pyramid.build import build
@@ -87,6 +89,7 @@ __all__ = [
     "Mesh",
     "MeshQueries",
     "MissingExtraError",
+    "NormalMap",
     "Number",
     "Patches",
     "Pattern",
@@ -110,6 +113,7 @@ __all__ = [
     "Weighted",
     "WorkerError",
     "analyse",
+    "bake_normals",
     "build",
     "compare",
     "crack_report",

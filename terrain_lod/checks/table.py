@@ -16,6 +16,7 @@ from . import (
     floating,
     measure,
     mesh,
+    normal_map,
     promise,
     quadtree,
     streaming,
@@ -67,5 +68,6 @@ CHECKS: Final[dict[str, Check]] = {
     "curved/decal_reach": curved_displaced.REACH,
     "curved/decal_reach, views": curved_displaced.VIEWS,
     "mesh/queries": mesh.QUERIES,
+    "mesh/normal_map": normal_map.NORMAL_MAP,
     "measure/vertical_error": measure.VERTICAL_ERROR,
 }

@@ -1,5 +1,5 @@
-"""The command line: demo, render, mesh, report, view, build, info, tiles, serve, smooth, pattern,
-samples, doctor.
+"""The command line: demo, render, mesh, report, view, build, info, tiles, serve, smooth, surface,
+pattern, samples, doctor.
 
 Exit codes: 0 done, 2 refused with one line on stderr, 130 interrupted.
 """
@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from math import isfinite
 from pathlib import Path
-from typing import Annotated, Any, Final, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 
 from cyclopts import App, CycloptsError, Parameter
 from cyclopts.config import Env
@@ -43,8 +43,13 @@ from .pattern import pattern
 from .pyramid import build, info, is_store, open_store
 from .report import report
 from .smooth import smooth
+from .surface import surface
 from .tiles import serve, tiles
 from .view import view
+
+if TYPE_CHECKING:
+    from ..device.device import Device
+    from ..mesh.mesh import Mesh
 
 REFUSED: Final = 2
 
@@ -197,6 +202,7 @@ def mesh(
     *,
     output: Output,
     cull: Switch = False,
+    normal_map: Switch = False,
     crs: Crs = None,
     memory: Memory = None,
     reading: GroundOptions = GroundOptions(),  # noqa: B008
@@ -216,6 +222,8 @@ def mesh(
     cull
         Leave out patches that the camera does not see. Files are looked at from anywhere, so that
         they are whole by default.
+    normal_map
+        Bake the normals of the whole ground into a normal map, which a .glb holds.
     crs
         Bring the ground to this projection first, and say how far that is from its own samples;
         utm is the zone of UTM that it lies in.
@@ -225,10 +233,18 @@ def mesh(
     from ..files.meshes.export import FORMATS
     from ..measure.cracks import crack_report
     from ..measure.error import vertical_error
+    from ..mesh.bake import bake_normals
 
     require_folder(output)
     one_of("mesh format", output.suffix.lower(), FORMATS)
     export.require(output)
+    if normal_map and (
+        output.suffix.lower() != ".glb" or is_store(ground) or not export.is_plain()
+    ):
+        raise InputError(
+            f"expected a raster and a name that ends in .glb with --normal-map, without "
+            f"--exaggeration, --drape and --solid, got {ground} and {output.name}"
+        )
     chosen = lod.make(terrain.tile)
     if is_store(ground):
         if crs is not None or not export.is_plain():
@@ -247,6 +263,8 @@ def mesh(
     log("%r", heights)
     made = terrain.make(heights, chosen, added).mesh(camera, lod=chosen, cull=cull, **vars(meshing))
     log("%r from %r", made, chosen)
+    if normal_map:
+        made = bake_normals(made, _whole(heights, added, terrain.open()), device=terrain.open())
     shown = heights if added is None else heights.with_detail(added)
     export.save(made, shown, output)
     say(f"{output}: {_counts(made, heights)}")
@@ -286,6 +304,16 @@ app.command(build, sort_key=10)
 app.command(info, sort_key=11)
 app.command(tiles, sort_key=12)
 app.command(serve, sort_key=13)
+app.command(surface, sort_key=14)
+
+
+def _whole(ground: Heightmap, detail: Heightmap | None, device: Device) -> Mesh:
+    """Return the mesh of every sample."""
+    from ..terrain.lod_formulas import UniformLod
+    from ..terrain.terrain import Terrain
+
+    terrain = Terrain(ground, detail=detail, tile=16, levels=1, device=device)
+    return terrain.mesh(lod=UniformLod(16), partitioning="integer", cull=False)
 
 
 def _counts(mesh: Any, ground: Heightmap) -> str:

@@ -10,7 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from ..arguments import array, finite, instance, text
+from ..errors import InputError
 from ..ground.grid import TileGrid
+from .normal_map import NormalMap
 
 if TYPE_CHECKING:
     import pyvista
@@ -158,6 +160,8 @@ class Mesh:
         The measured error, where the level of detail promised one.
     textures : (V, 2) float32, or None
         Texture coordinates: u to the right, v up.
+    normal_map : NormalMap or None
+        What :func:`terrain_lod.bake_normals` found over the texture coordinates.
     """
 
     vertices: npt.NDArray[np.float32]
@@ -169,6 +173,7 @@ class Mesh:
     timings: dict[str, float] = field(default_factory=dict)
     achieved: Achieved | None = None
     textures: npt.NDArray[np.float32] | None = None
+    normal_map: NormalMap | None = None
 
     def __post_init__(self) -> None:
         self._keep("vertices", ("V", 3), np.float32)
@@ -177,6 +182,15 @@ class Mesh:
         self._keep("origin", (3,), np.float64)
         if self.textures is not None:
             self._keep("textures", (len(self.vertices), 2), np.float32)
+        normal_map = instance("NormalMap or None for normal_map", self.normal_map, NormalMap | None)
+        if normal_map is not None and (
+            self.textures is None or len(normal_map.tangents) != len(self.vertices)
+        ):
+            given = "no textures" if self.textures is None else len(normal_map.tangents)
+            raise InputError(
+                f"expected a normal_map with texture coordinates and {len(self.vertices)} "
+                f"tangents, got {given}"
+            )
         if self.crs is not None:
             text("crs", self.crs)
         for stage, seconds in instance("a dict for timings", self.timings, dict).items():

@@ -20,6 +20,7 @@ from terrain_lod.files.meshes.glb import write_glb
 from terrain_lod.files.meshes.loading import load_mesh
 from terrain_lod.ground.grid import TileGrid
 from terrain_lod.ground.heightmap import Heightmap
+from terrain_lod.mesh.bake import bake_normals
 from terrain_lod.mesh.mesh import Mesh, Patches
 from terrain_lod.mesh.normals import vertex_normals
 
@@ -234,6 +235,8 @@ def validate():
 def test_khronos_validator_finds_nothing(validate, mesh, tmp_path):
     found = validate(save(mesh, tmp_path / "ground.glb"))
     assert found["messages"] == []
+    mapped = bake_normals(mesh, mesh, (16, 8))
+    assert validate(save(mapped, tmp_path / "mapped.glb"))["messages"] == []
     # triangles with two equal corners are a remark, no more
     found = validate(save(odd_mesh(), tmp_path / "odd.glb"))
     assert [message["code"] for message in found["messages"]] == [
