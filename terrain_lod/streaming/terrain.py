@@ -15,12 +15,12 @@ import threading
 from collections import OrderedDict
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
-from pathlib import Path
 from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
+from ..arguments import file_path, flag, instance
 from ..camera.camera import Camera
 from ..device.device import Device
 from ..errors import InputError
@@ -76,7 +76,8 @@ def open(
     MissingExtraError
         If zarr is not installed.
     """
-    return StreamingTerrain(Store.open(Path(path)), memory=memory, device=device)
+    store = Store.open(file_path("path", path))
+    return StreamingTerrain(store, memory=memory, device=device)
 
 
 class StreamingTerrain:
@@ -102,7 +103,8 @@ class StreamingTerrain:
     def __init__(
         self, store: Store, *, memory: int | str | None = None, device: Device | None = None
     ) -> None:
-        self.store, self.device = store, device or Device.open()
+        self.store = instance("a Store for store", store, Store)
+        self.device = Device.of(device)
         self.memory = bytes_of(memory)
         self._chunks, self._each = Chunks(store), window_bytes(store.division.chunk)
         least = self._each * _LEAST_CHUNKS
@@ -201,10 +203,11 @@ class StreamingTerrain:
             If a chunk is missing or damaged; names it.
         """
         lod = ScreenErrorLod() if lod is None else lod
-        if not isinstance(lod, MaxErrorLod | ScreenErrorLod):
-            raise InputError(
-                f"expected MaxErrorLod or ScreenErrorLod of a pyramid, got {type(lod).__name__}"
-            )
+        kept = "MaxErrorLod or ScreenErrorLod of a pyramid"
+        lod = instance(kept, lod, MaxErrorLod | ScreenErrorLod)
+        if camera is not None:
+            instance("a Camera for camera", camera, Camera)
+        cull, wait = flag("cull", cull), flag("wait", wait)
         if camera is None and lod.needs_camera:
             raise InputError(f"{type(lod).__name__} needs a camera, got none")
         asked = Asked(camera, lod.metres, lod.pixels, cull and camera is not None)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+import os
 from typing import Final
 
 import numpy as np
 
+from ..arguments import told
 from ..errors import InputError, MissingExtraError
 from ..ground.heightmap import Heightmap
 from ..ground.units import METRE, unit_called
@@ -47,9 +48,9 @@ def above_ellipsoid(ground: Heightmap, geoid: str) -> Heightmap:
             "expected pyproj for a geoid, got none: pip install 'terrain_lod[tiles]'"
         ) from None
     grid = GRIDS.get(geoid, geoid)
-    if geoid not in GRIDS and not Path(geoid).is_file():
+    if geoid not in GRIDS and not os.path.isfile(geoid):
         names = ", ".join([ELLIPSOID, *GRIDS])
-        raise InputError(f"expected one of {names}, or a grid's file, for geoid, got {geoid!r}")
+        raise InputError(f"expected one of {names}, or a grid's file, for geoid, got {told(geoid)}")
     try:
         shift = Transformer.from_pipeline(f'+proj=vgridshift +grids="{grid}" +multiplier=1')
     except ProjError:

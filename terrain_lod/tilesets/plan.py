@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
-from ..arguments import one_of, positive, whole
+from ..arguments import flag, one_of, positive, text, whole
 from ..errors import InputError
 from ..ground.heightmap import Heightmap
 from .geoid import ELLIPSOID, above_ellipsoid
@@ -47,7 +47,8 @@ def planned(
     _require(boxes or tiling is None, "tiling", "3dtiles", format)
     _require(globe or boxes or borders is None, "borders", "quantized-mesh and 3dtiles", format)
     _require(globe or boxes or error is None, "an error", "quantized-mesh and 3dtiles", format)
-    one_of("borders", borders or "none", BORDERS)
+    one_of("borders", "none" if borders is None else borders, BORDERS)
+    text("geoid", geoid)
     if globe and borders == "frozen":
         raise InputError(
             "expected borders none or skirts with quantized-mesh, whose places are 1/32767 of a "
@@ -58,7 +59,7 @@ def planned(
     source = Source.of(ground)
     chosen: Scheme = Region(source.bounds) if boxes else Mercator()
     if globe:
-        chosen = SCHEMES[one_of("scheme", scheme or "geographic", SCHEMES)]
+        chosen = SCHEMES[one_of("scheme", "geographic" if scheme is None else scheme, SCHEMES)]
     require_within(chosen, source.bounds)
     deepest = whole("zoom", zoom, 0, DEEPEST) if zoom is not None else _deepest(source, chosen)
     allowed = source.step / 4 if error is None else positive("error", error)
@@ -81,10 +82,10 @@ def planned(
         chosen,
         levels,
         folder,
-        gzip,
+        flag("gzip", gzip),
         skirts=skirts,
         frozen=frozen,
-        implicit=one_of("tiling", tiling or "implicit", TILINGS) == "implicit",
+        implicit=one_of("tiling", "implicit" if tiling is None else tiling, TILINGS) == "implicit",
         encoding=format,
         picture=not (globe or boxes),
         about={"heights": _said(geoid)},

@@ -11,9 +11,9 @@ from typing import ClassVar, Final
 
 import numpy as np
 
-from ..arguments import one_of
+from ..arguments import file_path, instance, one_of
 from ..ground.heightmap import Heightmap
-from ..tasks import Progress, Workers, run_tasks
+from ..tasks import Progress, Workers, require_workers, run_tasks
 from .geoid import ELLIPSOID
 from .globe import write_globe_tile, write_layer
 from .job import Job
@@ -188,9 +188,11 @@ def write_tiles(
         If the CRS or the geoid needs pyproj.
     """
     one_of("format", format, FORMATS)
+    instance("a Heightmap for ground", ground, Heightmap)
+    require_workers(workers)
     job = planned(
         ground if crs is None else ground.with_crs(crs),
-        Path(folder),
+        file_path("folder", folder),
         format=format,
         error=error,
         zoom=zoom,
