@@ -472,7 +472,7 @@ class Bench:
                 if hasattr(made, "parameters"):
                     of = {"scene": tl.Scene(10.0, 1.0, 15)} if module is tl else {"diagonal": 10.0}
                     yield Call(f"{name}.parameters", made.parameters, of)
-        yield Call("Scene", tl.Scene, {"diagonal": 10.0, "rough_deviation": 1.0})
+        yield Call("Scene", tl.Scene, {"diagonal": 10.0, "rough_deviation": 1.0, "tile": 15})
         yield Call("Weighted", tl.Weighted, {
             "lod": tl.UniformLod(3), "horizon": 2.0, "silhouette": 2.0})  # fmt: skip
         number = {"default": 2.0, "low": 1.0, "high": 9.0, "step": 0.5, "help": "x", "unit": "m",
