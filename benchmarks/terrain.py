@@ -55,10 +55,10 @@ def analysis(samples: int, device: tl.Device) -> None:
 
 def million_triangles(samples: int, device: tl.Device) -> None:
     """Print what hull, tessellator and domain stage cost for a million triangles."""
-    terrain = tl.Terrain(fractal(samples), device=device)
+    terrain = tl.Terrain(fractal(samples), levels=1, device=device)
     x, y, z = terrain.ground.centre
     camera = tl.Camera((x, y, z + 3000), (x + 2000, y - 2000, z), fov=60)
-    lod = tl.DistanceLod(maximum=_maximum_for_a_million(terrain, camera))
+    lod = tl.DistanceLod(maximum=maximum_for_a_million(terrain, camera))
     tiles = terrain._tiles
     hull = partial(hull_on_device, tiles, lod, camera, cull=False)
     factors = hull()
@@ -83,7 +83,7 @@ def million_triangles(samples: int, device: tl.Device) -> None:
         )
 
 
-def _maximum_for_a_million(terrain: tl.Terrain, camera: tl.Camera) -> float:
+def maximum_for_a_million(terrain: tl.Terrain, camera: tl.Camera) -> float:
     """Return the highest factor of a distance LOD that makes about a million triangles."""
     low, high = 1.0, 15.0
     for _ in range(12):

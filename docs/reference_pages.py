@@ -5,6 +5,7 @@ A page is a room, the folder that a name comes from. A room without a title here
 
 from __future__ import annotations
 
+import builtins
 import inspect
 from collections.abc import Iterator
 from pathlib import Path
@@ -36,7 +37,9 @@ TITLES = {
 
 def names_of(module: ModuleType) -> Iterator[tuple[str, object]]:
     """Yield each public name with the module it is imported from, and what it is."""
-    for name in module.__all__:
+    # those that Python has, too, are in no __all__, so that a star leaves its own alone
+    shared = [name for name in vars(builtins) if name in dir(module) and name[0] != "_"]
+    for name in [*module.__all__, *shared]:
         value = getattr(module, name)
         if isinstance(value, ModuleType):
             yield from names_of(value)

@@ -44,3 +44,4 @@ if __name__ == "__main__":
         mesh = terrain.mesh(lod=lod)
         print(f"{lod}: {len(mesh.triangles):,} triangles, {tl.vertical_error(mesh, ground)}")
     mesh.save("slopes.glb")
+    tl.render(mesh, "slopes.png", style="lod", camera=tl.default_camera(ground))

@@ -48,3 +48,4 @@ if __name__ == "__main__":
     smooth = tl.pn_triangles(mesh, lod=UprightFactor(most=5))
     print(f"{mesh}, curved {smooth}: {tl.crack_report(smooth)}")
     smooth.save("egg.glb")
+    tl.render(smooth, "egg.png")

@@ -41,6 +41,7 @@ def with_code(language: str) -> list[Path]:
     return [page for page in PAGES if blocks(page, language)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", with_code("python"), ids=name_of)
 def test_python_of_a_page_runs_and_prints_what_it_says(
     page: Path,

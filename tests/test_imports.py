@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import builtins
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -18,6 +19,7 @@ PACKAGE = Path(terrain_lod.__file__).parent
 # from the ground floor up: a room, and the rooms below that it may import besides its own
 ROOMS = {
     "interrupts": "",
+    "lazily": "",
     "errors": "",
     "arguments": "errors",
     "paths": "errors",
@@ -40,11 +42,11 @@ ROOMS = {
                   streaming""",
     "accessor": "ground mesh measure",
     "xarray": "errors ground camera mesh files terrain",
-    "tilesets": "errors arguments paths tasks device ground terrain",
+    "tilesets": "errors arguments paths tasks device ground sources terrain",
     "checks": """errors numbered device ground camera tessellation mesh terrain curved reference
                  measure""",
-    "viewer": """errors arguments paths numbered device ground camera mesh files terrain curved
-                 measure drawing""",
+    "viewer": """errors arguments paths numbered device ground camera mesh files pyramid terrain
+                 streaming curved measure drawing""",
     "reports": """errors arguments paths numbered device ground camera mesh terrain measure drawing
                   checks""",
     "cli": """interrupts errors arguments paths numbered device ground camera tessellation mesh
@@ -75,6 +77,10 @@ GUARDED = {
 }
 # nobody waits for these on import
 HEAVY = (
+    "numpy",
+    "pyopencl",
+    "mapbox_earcut",
+    "PIL",
     "pyvista",
     "vtkmodules",
     "matplotlib",
@@ -85,6 +91,8 @@ HEAVY = (
     "zarr",
     "xarray",
 )
+# nor for these before their first mesh, which no picture, page or file is made of
+LATER_ROOMS = ("files", "pyramid", "streaming", "curved", "drawing", "viewer", "reports")
 
 
 def module_of(path: Path) -> str:
@@ -199,28 +207,80 @@ def test_packages_hold_no_code() -> None:
             assert isinstance(node, ast.Expr | ast.ImportFrom | ast.Assign), path
 
 
+def test_the_package_imports_what_its_stub_names_and_only_when_asked() -> None:
+    stub = (PACKAGE / "__init__.pyi").read_text(encoding="utf-8")
+    assert terrain_lod.__all__ == sorted(_listed(stub))
+    for name in terrain_lod.__all__:
+        value = getattr(terrain_lod, name)
+        assert value is getattr(terrain_lod, name)
+        if not isinstance(value, ModuleType):
+            assert value.__module__.startswith("terrain_lod."), name
+    with pytest.raises(AttributeError, match="'terrain_lod' has no attribute 'Terain'"):
+        terrain_lod.Terain  # type: ignore[attr-defined]  # noqa: B018
+
+
+def _listed(stub: str) -> list[str]:
+    """Return the names of a stub's ``__all__``."""
+    (listed,) = (node for node in ast.parse(stub).body if isinstance(node, ast.Assign))
+    names: list[str] = ast.literal_eval(listed.value)
+    return names
+
+
 @pytest.mark.parametrize("package", [terrain_lod, terrain_lod.curved], ids=lambda it: it.__name__)
 def test_all_is_true_and_sorted(package: ModuleType) -> None:
     names = package.__all__
     assert names == sorted(set(names))
     public = {
         name
-        for name, value in vars(package).items()
+        for name, value in ((name, getattr(package, name)) for name in dir(package))
         # folders that Python imported on the way are rooms, not names; curved is both
         if not name.startswith("_") and (not isinstance(value, ModuleType) or name in names)
     }
-    assert public == set(names)
+    # what Python has a name for itself stays its own in `from terrain_lod import *`
+    assert public - set(vars(builtins)) == set(names)
+
+
+def test_a_star_leaves_the_names_of_python_alone() -> None:
+    names: dict[str, object] = {}
+    exec("from terrain_lod import *", names)
+    assert names["Terrain"] is terrain_lod.Terrain
+    assert "open" in dir(terrain_lod)
+    assert "open" not in names
 
 
 def test_a_public_name_stands_in_one_place() -> None:
     assert not set(terrain_lod.__all__) & set(terrain_lod.curved.__all__)
 
 
-def test_importing_the_package_loads_nothing_heavy_and_lists_no_devices() -> None:
-    # a driver that is listed starts threads, and does not survive a fork
-    program = (
-        "import sys, terrain_lod, terrain_lod.device.drivers as drivers\n"
-        f"print([name for name in {HEAVY} if name in sys.modules], drivers._listing_process)"
-    )
+def _printed(program: str) -> str:
+    """Return what a program prints in a process of its own."""
     child = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
-    assert child.stdout.strip() == "[] None", child.stdout + child.stderr
+    assert child.returncode == 0, child.stderr
+    return child.stdout.strip()
+
+
+def test_importing_the_package_loads_nothing_heavy() -> None:
+    loaded = _printed("import sys, terrain_lod; print(*sys.modules)").split()
+    assert not {name for name in loaded if name.split(".")[0] in HEAVY}
+    rooms = {name.split(".")[1] for name in loaded if name.startswith("terrain_lod.")}
+    assert rooms == {"interrupts", "lazily"}
+
+
+def test_a_first_mesh_waits_for_nothing_that_it_is_not_made_of() -> None:
+    program = "import sys, terrain_lod; terrain_lod.Terrain; print(*sys.modules)"
+    loaded = _printed(program).split()
+    light = {"numpy", "pyopencl"}
+    assert not {name for name in loaded if name.split(".")[0] in set(HEAVY) - light}
+    rooms = {name.split(".")[1] for name in loaded if name.startswith("terrain_lod.")}
+    assert not rooms & set(LATER_ROOMS)
+
+
+def test_a_device_is_listed_by_nobody_who_does_not_ask() -> None:
+    # a driver that is listed starts threads, and does not survive a fork
+    program = """
+import terrain_lod as tl, terrain_lod.device.drivers as drivers
+for name in tl.__all__:
+    getattr(tl, name)
+print(drivers._listing_process)
+"""
+    assert _printed(program) == "None"

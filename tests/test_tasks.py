@@ -35,6 +35,7 @@ def test_an_error_of_a_task_is_raised(workers: Workers) -> None:
         list(run_tasks(work.refuse, [0], workers=workers))
 
 
+@pytest.mark.slow
 def test_a_task_whose_process_dies_is_done_again(tmp_path: Path) -> None:
     tasks = [(tmp_path, number) for number in range(9)]
     done = dict(run_tasks(work.square_or_die_once, tasks, workers=2))
@@ -42,6 +43,7 @@ def test_a_task_whose_process_dies_is_done_again(tmp_path: Path) -> None:
     assert {number: result for (_, number), result in done.items()} == SQUARES
 
 
+@pytest.mark.slow
 def test_a_task_that_kills_every_process_is_named() -> None:
     with pytest.raises(WorkerError, match="3 that died over 7"):
         list(run_tasks(work.die, [7], workers=1))
@@ -63,6 +65,7 @@ def test_few_tasks_are_in_flight() -> None:
         assert len(begun) <= 3 + 4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("threads", [False, True])
 def test_what_is_stopped_leaves_nobody_at_work(tmp_path: Path, threads: bool) -> None:
     pool: Executor | None = ThreadPoolExecutor(2) if threads else None

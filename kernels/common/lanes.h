@@ -8,12 +8,20 @@
 
 #if LANES == 8
 typedef float8 Real;
+typedef int8 Whole;
 #define SET_LANE(real, lane, value) ((float *)&(real))[lane] = (value)
 #define LANE(real, lane) ((const float *)&(real))[lane]
+#define WHOLE_LANE(whole, lane) ((const int *)&(whole))[lane]
+#define REAL_OF(whole) convert_float8(whole)
+#define ANY(choice) any(choice)
 #else
 typedef float Real;
+typedef int Whole;
 #define SET_LANE(real, lane, value) (real) = (value)
 #define LANE(real, lane) (real)
+#define WHOLE_LANE(whole, lane) (whole)
+#define REAL_OF(whole) ((float)(whole))
+#define ANY(choice) ((choice) != 0)
 #endif
 
 #define LARGER(a, b) ((a) > (b) ? (a) : (b))

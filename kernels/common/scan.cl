@@ -7,7 +7,8 @@
 //
 //   scan_one   0 3 4   8 9 14   23 25   31     all of it by one work-group, where it is short
 //
-// Totals are 64-bit, so that the host learns of an overflow before anything is allocated.
+// Totals are 64-bit, so that the host learns of an overflow before anything is allocated. Two arrays of one
+// length are scanned side by side, by work-groups of two rows: a launch costs a GPU as much as the work.
 //
 // After Blelloch, "Prefix sums and their applications", 1990, section 1.2.
 //
@@ -19,6 +20,9 @@
 #endif
 
 #define RUN (BLOCK / GROUP)
+
+// the row of work-groups says which of two arrays is meant
+#define OWN(one, other) (get_group_id(1) == 0 ? (one) : (other))
 
 // where this item's run of the block begins and ends
 inline uint run_begin(uint count)
@@ -41,19 +45,22 @@ inline ulong run_sum(__global const uint *counts, uint count)
 
 __kernel void block_sums(uint count,
                          __global const uint *counts,   // (count)
-                         __global ulong *sums)          // (blocks + 1)
+                         __global const uint *others,   // (count)
+                         __global ulong *sums)          // (rows, blocks + 1)
 {
+    sums += get_group_id(1) * (get_num_groups(0) + 1);
     __local ulong scratch[GROUP];
-    const ulong mine = run_sum(counts, count);
+    const ulong mine = run_sum(OWN(counts, others), count);
     const ulong before = sum_before(mine, scratch);
     if (get_local_id(0) == GROUP - 1)
         sums[get_group_id(0)] = before + mine;
 }
 
-// one work-group, in place
+// one work-group a row, in place
 __kernel void scan_sums(uint blocks,
-                        __global ulong *sums)           // (blocks + 1)
+                        __global ulong *sums)           // (rows, blocks + 1)
 {
+    sums += get_group_id(1) * (blocks + 1);
     __local ulong scratch[GROUP];
     // each item takes a run of the blocks
     const uint run = (blocks + GROUP - 1) / GROUP;
@@ -73,10 +80,15 @@ __kernel void scan_sums(uint blocks,
 
 __kernel void scan_blocks(uint count,
                           __global const uint *counts,  // (count)
-                          __global const ulong *sums,   // (blocks + 1)
-                          __global uint *offsets)       // (count + 1)
+                          __global const uint *others,  // (count)
+                          __global const ulong *sums,   // (rows, blocks + 1)
+                          __global uint *offsets,       // (count + 1)
+                          __global uint *other_offsets) // (count + 1)
 {
     __local ulong scratch[GROUP];
+    counts = OWN(counts, others);
+    offsets = OWN(offsets, other_offsets);
+    sums += get_group_id(1) * (get_num_groups(0) + 1);
     uint offset = sums[get_group_id(0)] + sum_before(run_sum(counts, count), scratch);
     for (uint i = run_begin(count); i < run_end(count); ++i) {
         offsets[i] = offset;
@@ -89,10 +101,14 @@ __kernel void scan_blocks(uint count,
 
 __kernel void scan_one(uint count,
                        __global const uint *counts,     // (count)
-                       __global ulong *total,           // (1)
-                       __global uint *offsets)          // (count + 1)
+                       __global const uint *others,     // (count)
+                       __global ulong *totals,          // (rows)
+                       __global uint *offsets,          // (count + 1)
+                       __global uint *other_offsets)    // (count + 1)
 {
     __local ulong scratch[GROUP];
+    counts = OWN(counts, others);
+    offsets = OWN(offsets, other_offsets);
     // each item takes a run
     const uint run = (count + GROUP - 1) / GROUP;
     const uint begin = min(count, (uint)get_local_id(0) * run), end = min(count, begin + run);
@@ -106,6 +122,6 @@ __kernel void scan_one(uint count,
     }
     if (get_local_id(0) == GROUP - 1) {
         offsets[count] = before;
-        *total = before;
+        totals[get_group_id(1)] = before;
     }
 }

@@ -91,6 +91,10 @@ inline float look_at(const Choice *choice, const Node node, float bound)
     const float error = held_to(choice->allowance,
                                 allowed_of(choice->ground.grid, choice->allowance, tile, known, index),
                                 choice->allowed[index]);
+#if GROUP > 1
+    // all have read what it was held to before
+    barrier(CLK_GLOBAL_MEM_FENCE);
+#endif
     if (get_local_id(0) == 0) {
         choice->allowed[index] = error;
         choice->marks[index] = choice->stamp * 4 + (isnan(error) ? ABSENT : LEAF);

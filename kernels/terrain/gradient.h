@@ -13,6 +13,7 @@
 #ifndef GRADIENT_H
 #define GRADIENT_H
 
+#include "common/lanes.h"
 #include "terrain/ground.h"
 
 #define PART (1.0f / 32.0f)
@@ -55,38 +56,70 @@ inline float2 sample_rise(const Ground ground, int row, int column)
                     south_weights > 0.0f ? -south / south_weights : 0.0f);
 }
 
-// four floats at any address
-typedef float4 Samples4 __attribute__((aligned(4)));
+// LANES cells side by side, by their north-western samples
+typedef struct {
+    Whole row, column;
+} Cells;
 
-// a 32nd of four samples of a row, from here on
-inline float4 four_samples(const Ground ground, int row, int column)
+// Return true where the 4 x 4 samples around all cells have data.
+inline bool are_inner(const Ground ground, Cells cells)
 {
-#if DETAIL
-    return PART * (float4)(sample_height(ground, row, column),
-                           sample_height(ground, row, column + 1),
-                           sample_height(ground, row, column + 2),
-                           sample_height(ground, row, column + 3));
-#else
-    return PART
-         * *(__global const Samples4 *)(ground.heights + sample_index(ground.grid, row, column));
-#endif
-}
-
-// Return true where the 4 x 4 samples around a cell all have data.
-inline bool is_inner_cell(const Ground ground, int row, int column)
-{
-    if (row < 1 || row >= ground.grid.rows - 2 || column < 1 || column >= ground.grid.columns - 2)
+    const Whole rows = ground.grid.rows, columns = ground.grid.columns;
+    if (ANY(cells.row < 1 || cells.row >= rows - 2 || cells.column < 1 || cells.column >= columns - 2))
         return false;
     bool whole = true;
 #if MASKED
-    for (int down = -1; down <= 2; ++down)
-        for (int across = -1; across <= 2; ++across)
-            whole &= sample_has_data(ground, row + down, column + across);
+    for (int lane = 0; lane < LANES; ++lane)
+        for (int down = -1; down <= 2; ++down)
+            for (int across = -1; across <= 2; ++across)
+                whole &= sample_has_data(ground, WHOLE_LANE(cells.row, lane) + down,
+                                         WHOLE_LANE(cells.column, lane) + across);
 #endif
     return whole;
 }
 
-// In an inner cell: the rises at the four samples around, blended, from 4 x 4 samples.
+// four samples of a row, from here on
+inline float4 four_samples(const Ground ground, int row, int column)
+{
+#if DETAIL
+    return (float4)(sample_height(ground, row, column), sample_height(ground, row, column + 1),
+                    sample_height(ground, row, column + 2), sample_height(ground, row, column + 3));
+#else
+    return vload4(0, ground.heights + sample_index(ground.grid, row, column));
+#endif
+}
+
+// the 4 x 4 samples around each cell, row by row
+typedef struct {
+    Real at[16];
+} Around;
+
+#if LANES == 8
+#define SIDE_BY_SIDE(rows, s)                                                                       \
+    (float8)(rows[0].s, rows[1].s, rows[2].s, rows[3].s, rows[4].s, rows[5].s, rows[6].s, rows[7].s)
+#else
+#define SIDE_BY_SIDE(rows, s) rows[0].s
+#endif
+
+inline Around samples_around(const Ground ground, Cells cells)
+{
+    Around samples;
+#pragma unroll
+    for (int down = 0; down < 4; ++down) {
+        float4 rows[LANES];
+#pragma unroll
+        for (int lane = 0; lane < LANES; ++lane)
+            rows[lane] = four_samples(ground, WHOLE_LANE(cells.row, lane) - 1 + down,
+                                      WHOLE_LANE(cells.column, lane) - 1);
+        samples.at[4 * down + 0] = SIDE_BY_SIDE(rows, x);
+        samples.at[4 * down + 1] = SIDE_BY_SIDE(rows, y);
+        samples.at[4 * down + 2] = SIDE_BY_SIDE(rows, z);
+        samples.at[4 * down + 3] = SIDE_BY_SIDE(rows, w);
+    }
+    return samples;
+}
+
+// In inner cells, at (x, y) of each: the rises at the four samples around, blended.
 //
 //     blending the four operators is one operator with the weights
 //
@@ -94,42 +127,63 @@ inline bool is_inner_cell(const Ground ground, int row, int column)
 //                             -(1 - x)  -x     1 - x   x       along them
 //
 //     each an eighth of that, so that no sum is larger than a difference
-inline float2 inner_rise(const Ground ground, int row, int column, float x, float y)
+inline Real eastward(const Around *samples, int column, Real y)
 {
-    const float4 a = four_samples(ground, row - 1, column - 1);
-    const float4 b = four_samples(ground, row, column - 1);
-    const float4 c = four_samples(ground, row + 1, column - 1);
-    const float4 d = four_samples(ground, row + 2, column - 1);
+    Real change[4];
+    for (int row = 0; row < 4; ++row)
+        change[row] = PART * samples->at[4 * row + column + 2] - PART * samples->at[4 * row + column];
     const float eighth = 0.125f;
-    const float2 eastward = eighth * (1.0f - y) * (a.zw - a.xy) + eighth * (2.0f - y) * (b.zw - b.xy)
-                          + eighth * (1.0f + y) * (c.zw - c.xy) + eighth * y * (d.zw - d.xy);
-    const float4 northward = eighth * (1.0f - y) * (a - c) + eighth * y * (b - d);
-    const float west_to_east = (1.0f - x) * eastward.x + x * eastward.y;
-    const float south_to_north = (1.0f - x) * northward.x + (2.0f - x) * northward.y
-                               + (1.0f + x) * northward.z + x * northward.w;
-    return (float2)(west_to_east, south_to_north);
+    return eighth * (1.0f - y) * change[0] + eighth * (2.0f - y) * change[1]
+         + eighth * (1.0f + y) * change[2] + eighth * y * change[3];
 }
 
-// unit normal of a surface that rises so, in 32nds, a cell
-inline float3 normal_of(const Grid grid, float2 rise)
+inline Real northward(const Around *samples, int column, Real y)
 {
-    float up = PART;
-    float east = rise.x / grid.dx, north = rise.y / grid.dy;
-    if (isinf(east) || isinf(north)) {
+    Real part[4];
+    for (int row = 0; row < 4; ++row)
+        part[row] = PART * samples->at[4 * row + column];
+    const float eighth = 0.125f;
+    return eighth * (1.0f - y) * (part[0] - part[2]) + eighth * y * (part[1] - part[3]);
+}
+
+inline Real rise_east(const Around *samples, Real x, Real y)
+{
+    return (1.0f - x) * eastward(samples, 0, y) + x * eastward(samples, 1, y);
+}
+
+inline Real rise_north(const Around *samples, Real x, Real y)
+{
+    return (1.0f - x) * northward(samples, 0, y) + (2.0f - x) * northward(samples, 1, y)
+         + (1.0f + x) * northward(samples, 2, y) + x * northward(samples, 3, y);
+}
+
+// unit normals
+typedef struct {
+    Real x, y, z;
+} Normals;
+
+// those of surfaces that rise so, in 32nds, a cell
+inline Normals normals_of(const Grid grid, Real rise_east, Real rise_north)
+{
+    Real east = rise_east / grid.dx, north = rise_north / grid.dy, up = PART;
+    const Whole infinite = ABSOLUTE(east) > MAXFLOAT || ABSOLUTE(north) > MAXFLOAT;
+    if (ANY(infinite)) {
         // such steep slopes stay far from zero
-        const float small = 0x1p-120f;
+        const Real small = infinite ? (Real)0x1p-120f : (Real)1.0f;
         up *= small;
-        east = small * rise.x / grid.dx;
-        north = small * rise.y / grid.dy;
+        east = small * rise_east / grid.dx;
+        north = small * rise_north / grid.dy;
     }
     // squares of very steep ones overflow
-    const float steepest = fmax(fmax(fabs(east), fabs(north)), up);
-    const float scale = steepest > 1e15f || up < PART ? 1.0f / steepest : 1.0f;
+    const Real steeper = LARGER(ABSOLUTE(east), ABSOLUTE(north));
+    const Real steepest = LARGER(steeper, up);
+    const Real scale = steepest > 1e15f || up < PART ? 1.0f / steepest : (Real)1.0f;
     east *= scale;
     north *= scale;
     up *= scale;
-    const float inverse = 1.0f / sqrt(east * east + north * north + up * up);
-    return (float3)(-east * inverse, -north * inverse, up * inverse);
+    const Real inverse = 1.0f / sqrt(east * east + north * north + up * up);
+    const Normals normals = {-east * inverse, -north * inverse, up * inverse};
+    return normals;
 }
 
 #endif

@@ -5,8 +5,9 @@
 inline float largest_error(const Lattice *lattice, int fu, int fv, Asked columns, Asked rows,
                            float enough, int2 *worst)
 {
-    const int width = max(columns.last - columns.first + 1, 1);
-    const int count = width * max(rows.last - rows.first + 1, 0);
+    // of an odd number of cells in two segments no sample lies within
+    const int width = columns.last - columns.first + 1, height = rows.last - rows.first + 1;
+    const int count = max(width, 0) * max(height, 0);
     float own = 0.0f;
     int where = 0;
     for (int i = get_local_id(0); i < count; i += GROUP) {

@@ -14,7 +14,9 @@ from ..device.layout import VIEW
 from ..ground.heightmap import Heightmap
 from ..reference.terrain import quadtree
 from ..terrain.buffers import lattice_levels
-from ..terrain.leaves import FIRST_SHARE, Leaves
+from ..terrain.choice import FIRST_SHARE, Allowance
+from ..terrain.fitted import LEAST_STEP, MOST_STEP, ask_for_less, rooms_of
+from ..terrain.leaves import Leaves
 from ..terrain.quadtree import DeviceQuadtree, cheapest_first
 from .check import Array, Bound, Check, Difference, ulp
 from .grounds import Ground
@@ -32,6 +34,12 @@ _RANGES: Final = Bound("ranges and holes", "m", "exact", "they are samples, and 
 _LEAVES: Final = Bound("leaves", "nodes", "exact", "a choice by measured errors")
 _AREAS: Final = Bound("areas of leaves", "cells", "exact", "they are whole numbers")
 _PLACES: Final = Bound("places", "1/65536 of a cell", "exact", "whole numbers, by one division")
+_ROOMS: Final = Bound(
+    "errors of leaves", "m", "4 ulp", "what is asked for, less a millionth of the range of heights"
+)
+_WEIGHTS: Final = Bound(
+    "weights of tiles", "1", "4 ulp", "a square root of a quotient, and the largest of some"
+)
 _INSIDES: Final = Bound("insides", "segments", "exact", "a choice by measured errors")
 
 
@@ -49,16 +57,7 @@ def _leaves(tree: DeviceQuadtree) -> Iterator[Leaves]:
     """Yield the leaves for an error in metres, nothing culled."""
     view = np.zeros((), VIEW)
     with tree.marked() as (stamp, marks):
-        yield Leaves(
-            tree,
-            stamp,
-            marks,
-            view,
-            cull=False,
-            metres=_METRES,
-            pixels=np.inf,
-            weights=tree.weights(None),
-        )
+        yield Leaves(tree, stamp, marks, Allowance(view, cull=False, metres=_METRES, pixels=np.inf))
 
 
 def _expected(case: Ground, tree: DeviceQuadtree) -> quadtree.Leaves:
@@ -145,6 +144,40 @@ def _insides(case: Ground, device: Device) -> Iterator[Difference]:
     yield _INSIDES.met_by(found[held], np.array(wanted).reshape(-1, 2))
 
 
+def _asked(case: Ground, device: Device) -> Iterator[Difference]:
+    tree = _tree(case, device)
+    twin, shape = _twin(case, tree), case.grid.shape
+    view, random = np.zeros((), VIEW), np.random.default_rng(4)
+    allowance = Allowance(view, cull=False, metres=_METRES, pixels=np.inf)
+    with _leaves(tree) as leaves:
+        nodes = list(twin.nodes())
+        numbered = dict(zip(_numbers(tree, nodes).tolist(), nodes, strict=True))
+        drawn = [numbered[number] for number in leaves.nodes.tolist()]
+    allowed, shown = rooms_of(leaves, allowance)
+    ranges = [np.ptp(heights[known]) for heights, known in map(twin.samples, drawn)]
+    expected = np.maximum(_METRES - 1e-6 * np.array(ranges), 0)
+    yield _ROOMS.met_by(allowed.host(), expected, 4 * ulp(_METRES))
+    yield _ROOMS.met_by(shown.host(), np.ones(len(drawn)), 0.0)
+    for reach in (0, 1):
+        measured = (allowed.host() * random.uniform(0.5, 6, len(drawn))).astype(np.float32)
+        weights = device.empty(case.grid.count, np.float32).fill(2.0)
+        exceeding = ask_for_less(leaves, allowed, device.array(measured), weights, reach)
+        steps = np.ones(shape)
+        excess = np.divide(measured, allowed.host(), dtype=np.float64)
+        for node, times in zip(drawn, excess, strict=True):
+            if times > 1:
+                rows, columns = (
+                    slice(
+                        max((place << node.level) - reach, 0), ((place + 1) << node.level) + reach
+                    )
+                    for place in (node.row, node.column)
+                )
+                step = np.clip(np.sqrt(times), LEAST_STEP, MOST_STEP)
+                steps[rows, columns] = np.maximum(steps[rows, columns], step)
+        yield _WEIGHTS.met_by(weights.host().reshape(shape), 2 * steps, 4 * ulp(2 * steps))
+        yield _WEIGHTS.met_by(exceeding, np.count_nonzero(excess > 1), 0.0)
+
+
 def _joined(parts: list[Array]) -> Array:
     return np.concatenate(parts) if parts else np.zeros(0)
 
@@ -198,3 +231,4 @@ CHOICE: Final = Check(_chosen, _plain, _hard)
 LEAVES: Final = Check(_described, _plain, _hard)
 JOINTS: Final = Check(_joints, _plain, _hard)
 LEAF_FIT: Final = Check(_insides, _plain, _hard)
+FITTED: Final = Check(_asked, _plain, _hard)

@@ -103,7 +103,7 @@ class GroundOptions:
             return sample(name)
         if (Path(name) / "zarr.json").is_file():
             raise InputError(
-                f"expected a raster file, got the pyramid {name}: build, info, mesh and render "
+                f"expected a raster file, got the pyramid {name}: info, view, mesh and render "
                 "take it"
             )
         if not Path(name).exists() and not Path(name).suffix:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Final, Literal
 
 from cyclopts import Parameter
 
@@ -12,6 +12,8 @@ from .output import log, progress_bar, say, say_table
 
 OutputFolder = Annotated[Path, Parameter(alias="-o", metavar="DIR")]
 Switch = Annotated[bool, Parameter(show_default=False)]
+# samples of a ground that is not loaded: some 2 GB while it is
+_LARGE: Final = 1 << 27
 
 
 def tiles(
@@ -62,7 +64,7 @@ def tiles(
     """
     from ..tilesets.write import write_tiles
 
-    heights = reading.load(ground)
+    heights = Path(ground) if _is_large(ground, reading) else reading.load(ground)
     log("%r", heights)
     with progress_bar("writing tiles") as progress:
         report = write_tiles(
@@ -82,6 +84,17 @@ def tiles(
         )
     say_table(report.columns, report.rows())
     say(str(report))
+
+
+def _is_large(ground: str, reading: GroundOptions) -> bool:
+    """Return whether a file, or a folder of them, is to be read window by window."""
+    from ..sources.opening import source_of
+
+    path = Path(ground)
+    if reading != GroundOptions() or not path.exists() or (path / "zarr.json").is_file():
+        return False
+    rows, columns = source_of(path).shape
+    return path.is_dir() or rows * columns > _LARGE
 
 
 def serve(

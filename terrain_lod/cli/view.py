@@ -12,6 +12,7 @@ from ..errors import InputError
 from .lod_options import ViewedOptions
 from .options import AnyPartitioning, CameraOptions, GroundOptions, Sun
 from .output import log, say
+from .pyramid import is_store, open_store
 
 if TYPE_CHECKING:
     from ..viewer.scene import Scene
@@ -39,6 +40,7 @@ def view(
     tile: int | None = None,
     levels: int | None = None,
     device: str | None = None,
+    memory: Annotated[str | None, Parameter(metavar="SIZE")] = None,
     reading: GroundOptions = GroundOptions(),  # noqa: B008
     camera: CameraOptions = CameraOptions(),  # noqa: B008
     lod: ViewedOptions = ViewedOptions(),  # noqa: B008
@@ -53,7 +55,8 @@ def view(
     Parameters
     ----------
     subject
-        A raster file, the name of a bundled sample, a mesh file, or Bézier patches in a .bpt file.
+        A raster file, the name of a bundled sample, a pyramid that build wrote, a mesh file, or
+        Bézier patches in a .bpt file.
     web
         Serve a page instead of opening a window. The printed address has a token, without which
         nobody gets in.
@@ -89,6 +92,8 @@ def view(
         Of ground alone. Default: up to the whole raster.
     device
         cpu, gpu, a number or part of a name, see doctor. Default: a GPU if there is one.
+    memory
+        Of a pyramid: how much of it to hold, such as 512MB. Default: a quarter of what is free.
     """
     from ..viewer.memory import keep_large_blocks_apart
     from ..viewer.model import Model
@@ -102,7 +107,7 @@ def view(
     if sun is not None:
         chosen |= {"azimuth": sun[0] % 360, "elevation": sun[1]}
     path = Path(subject) if Path(subject).exists() else None
-    model = Model(lambda: _scene(subject, reading, tile, levels, device, y_up), path=path)
+    model = Model(lambda: _scene(subject, reading, tile, levels, device, y_up, memory), path=path)
     settings = model.scene.settings
     for name, value in chosen.items():
         if value is not None:
@@ -149,6 +154,7 @@ def _scene(
     levels: int | None,
     device: str | None,
     y_up: bool,
+    memory: str | None,
 ) -> Scene:
     """Return what is to be looked at, by the ending of its name."""
     from ..device.device import Device
@@ -156,12 +162,17 @@ def _scene(
     from ..files.meshes.loading import load_mesh
     from ..files.rasters.formats import FORMATS
     from ..viewer.mesh_scene import BezierScene, CurvedScene
+    from ..viewer.streaming_scene import StreamingScene
     from ..viewer.terrain_scene import TerrainScene
 
     endings = tuple(ending for form in FORMATS for ending in form.endings)
-    if not Path(name).suffix or name.lower().endswith(endings):
-        if y_up:
-            raise InputError(f"expected a mesh with --y-up, got the ground {name}")
+    held = is_store(name)
+    raster = not held and (not Path(name).suffix or name.lower().endswith(endings))
+    if y_up and (raster or held):
+        raise InputError(f"expected a mesh with --y-up, got the ground {name}")
+    if memory is not None and not held:
+        raise InputError(f"expected a pyramid with --memory, got {name}")
+    if raster:
         scene = TerrainScene(reading.load(name), levels=levels, device=Device.open(device))
         if tile is not None:
             scene.settings = scene.settings.with_tile(tile)
@@ -170,6 +181,8 @@ def _scene(
     for option, value in {**vars(reading), "tile": tile, "levels": levels}.items():
         if value is not None:
             raise InputError(f"expected a raster with --{option.replace('_', '-')}, got {name}")
+    if held:
+        return StreamingScene(open_store(name, memory, Device.open(device)))
     if name.lower().endswith(".bpt"):
         return BezierScene(load_bpt(name), y_up=y_up, device=Device.open(device))
     return CurvedScene(load_mesh(name), y_up=y_up, device=Device.open(device))

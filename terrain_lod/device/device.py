@@ -16,7 +16,7 @@ import threading
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from functools import cache
+from functools import cache, cached_property
 from math import prod
 from operator import index
 from pathlib import Path, PurePosixPath
@@ -251,11 +251,16 @@ class Device:
 class DeviceArray:
     """A typed array in device memory; ``host()`` brings it down.
 
+    On a CPU its memory is this machine's: ``view()``, ``np.asarray``, and ``from_dlpack`` of any
+    library that knows DLPack, take it without a copy.
+
     Attributes
     ----------
     shape : tuple of int
     dtype : numpy.dtype
     device : Device
+    buffer : pyopencl.MemoryObject
+        Of ``device.context``: what kernels of others take. It is given back with the array.
     """
 
     def __init__(self, device: Device, shape: tuple[int, ...], dtype: npt.DTypeLike) -> None:
@@ -272,6 +277,8 @@ class DeviceArray:
         self._whole: DeviceArray | None = None
 
     def __del__(self) -> None:
+        if (mapped := self.__dict__.get("_mapped")) is not None and self.size:
+            mapped.base.release()
         # those that no memory was found for have none to give back
         if accounted := self.__dict__.get("_accounted"):
             self.device.memory.account(-accounted)
@@ -297,6 +304,51 @@ class DeviceArray:
             with named("reading", self):
                 cl.enqueue_copy(self.device.queue, values, self.buffer)
         return values
+
+    def view(self) -> npt.NDArray[Any]:
+        """Return its memory as an array of NumPy, without a copy; waits for every launch before.
+
+        The view keeps the array alive, and every view of an array is of the same memory.
+
+        Raises
+        ------
+        DeviceError
+            If the device has memory of its own, as GPUs have: ``host()`` copies.
+        """
+        if self.device.is_gpu:
+            raise DeviceError(
+                f"expected memory that this machine's CPU sees, got {self} on "
+                f"{self.device.info.name}: copy it with host()"
+            )
+        self.device.finish()
+        return np.asarray(self)
+
+    @cached_property
+    def _mapped(self) -> npt.NDArray[Any]:
+        if not self.size:
+            return np.empty(self.shape, self.dtype)
+        flags = cl.map_flags.READ | cl.map_flags.WRITE
+        with named("mapping", self):
+            mapped: npt.NDArray[Any] = cl.enqueue_map_buffer(
+                self.device.queue, self.buffer, flags, 0, self.shape, self.dtype
+            )[0]
+        return mapped
+
+    @property
+    def __array_interface__(self) -> dict[str, Any]:
+        """What NumPy makes a view of; there is none on devices with memory of their own."""
+        if self.device.is_gpu:
+            raise AttributeError(f"{self} has no __array_interface__: copy it with host()")
+        return self._mapped.__array_interface__
+
+    def __dlpack__(self, **options: Any) -> Any:
+        """Return a capsule of DLPack for the same memory as :meth:`view`, which it keeps alive."""
+        return self.view().__dlpack__(**options)
+
+    def __dlpack_device__(self) -> tuple[int, int]:
+        """Return DLPack's number of this machine's CPU."""
+        kind, number = self.view().__dlpack_device__()
+        return int(kind), int(number)
 
     def write(self, values: npt.ArrayLike, start: int = 0) -> None:
         """Overwrite elements from flat index `start` on with host `values`."""

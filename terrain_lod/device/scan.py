@@ -26,23 +26,39 @@ def exclusive_scan(counts: DeviceArray) -> tuple[DeviceArray, int]:
         Summed in 64 bits: where it is 2³² or more, `offsets` have wrapped and mean nothing, so
         compare it with what may be allocated before anything else.
     """
+    return _scans(counts)[0]
+
+
+def exclusive_scans(
+    counts: DeviceArray, others: DeviceArray
+) -> tuple[tuple[DeviceArray, int], tuple[DeviceArray, int]]:
+    """Return the same of two arrays of one length, in as many launches and waits as of one."""
+    one, other = _scans(counts, others)
+    return one, other
+
+
+def _scans(*arrays: DeviceArray) -> list[tuple[DeviceArray, int]]:
+    """Return offsets and total of one array, or of each of two."""
+    rows, counts, others = len(arrays), arrays[0], arrays[-1]
     device, count = counts.device, counts.size
     group = device.group_size(_GROUP)
-    if 0 < count <= _SHORT:
-        offsets, total = device.empty(count + 1, "uint32"), device.empty(1, "uint64")
-        scan_one = device.kernel("common/scan.cl", "scan_one", BLOCK=_BLOCK, GROUP=group)
-        scan_one((group,), (group,), count=count, counts=counts, total=total, offsets=offsets)
-        return offsets, int(total.host()[0])
     blocks = -(-count // _BLOCK)
-    items = blocks * group
-    # with no block at all, zero is the only offset
-    sums = device.zeros(blocks + 1, "uint64")
-    offsets = device.zeros(1, "uint32") if count == 0 else device.empty(count + 1, "uint32")
-    block_sums, scan_sums, scan_blocks = (
+    # with no count at all, zero is the only offset
+    empty = device.zeros if count == 0 else device.empty
+    offsets = [empty(count + 1, "uint32") for _ in arrays]
+    scan_one, block_sums, scan_sums, scan_blocks = (
         device.kernel("common/scan.cl", name, BLOCK=_BLOCK, GROUP=group)
-        for name in ("block_sums", "scan_sums", "scan_blocks")
+        for name in ("scan_one", "block_sums", "scan_sums", "scan_blocks")
     )
-    block_sums((items,), (group,), count=count, counts=counts, sums=sums)
-    scan_sums((group,), (group,), blocks=blocks, sums=sums)
-    scan_blocks((items,), (group,), count=count, counts=counts, sums=sums, offsets=offsets)
-    return offsets, int(sums.host()[-1])
+    given = {"count": count, "counts": counts, "others": others}
+    found = {"offsets": offsets[0], "other_offsets": offsets[-1]}
+    if 0 < count <= _SHORT:
+        totals = device.empty(rows, "uint64")
+        scan_one((group, rows), (group, 1), **given, totals=totals, **found)
+        return list(zip(offsets, totals.host().tolist(), strict=True))
+    items = (blocks * group, rows)
+    sums = device.zeros((rows, blocks + 1), "uint64")
+    block_sums(items, (group, 1), **given, sums=sums)
+    scan_sums((group, rows), (group, 1), blocks=blocks, sums=sums)
+    scan_blocks(items, (group, 1), **given, sums=sums, **found)
+    return list(zip(offsets, sums.host()[:, -1].tolist(), strict=True))

@@ -5,9 +5,11 @@ from __future__ import annotations
 import heapq
 from collections.abc import Container, Iterator
 from dataclasses import dataclass
+from itertools import islice
 from typing import Final
 
 import numpy as np
+import numpy.typing as npt
 
 from ..device import layout
 from ..pyramid.codes import decode
@@ -40,10 +42,10 @@ class Cut:
     is_enough: bool
 
 
-def _above(place: Place) -> Iterator[Place]:
-    """Yield the ancestors of a chunk, and more beyond the root."""
+def with_above(place: Place) -> Iterator[Place]:
+    """Yield a chunk, its ancestors, and more beyond the root."""
     level, row, column = place
-    for more in range(1, layout.MAX_LEVELS):
+    for more in range(layout.MAX_LEVELS):
         yield level + more, row >> more, column >> more
 
 
@@ -68,6 +70,14 @@ class Chunks:
     @property
     def root(self) -> Place:
         return self.division.top, 0, 0
+
+    def at(self, cells: npt.NDArray[np.float64]) -> npt.NDArray[np.int64]:
+        """Return column and row of the chunks of level 0 that columns and rows of samples are in.
+
+        Where they are in none, it is the nearest; (N, 2).
+        """
+        last = np.array(self.division.chunks(0))[::-1] - 1
+        return np.clip(cells // self.division.chunk, 0, last).astype(np.int64)
 
     def children(self, place: Place) -> list[Place]:
         level, row, column = place
@@ -110,7 +120,11 @@ class Chunks:
                 found = level + 1, row // 2, column // 2
             instead.add(found)
         # what lies below another one is covered by it
-        kept = [place for place in instead if not any(above in instead for above in _above(place))]
+        kept = [
+            place
+            for place in instead
+            if not any(above in instead for above in islice(with_above(place), 1, None))
+        ]
         ordered = sorted(missing, key=lambda place: (-place[0], place))
         return Cut(tuple(sorted(kept)), tuple(ordered), cut.is_enough and not missing)
 

@@ -8,10 +8,47 @@ import numpy.typing as npt
 from ..device import layout
 from ..errors import InputError
 from ..ground.grid import TileGrid
-from ..mesh.mesh import Mesh, Patches
+from ..mesh.mesh import Achieved, Mesh, Patches
 from ..pyramid.division import NODE
+from ..pyramid.store import Store
 from .cut import Place
+from .keeping import Joined
 from .piece import Array, Piece
+from .view import Asked
+
+
+def whole(store: Store, asked: Asked, joined: Joined) -> Mesh:
+    """Return joined pieces as one mesh, with what is known of its error."""
+    own = store.description
+    (dx, dy), (x, y) = own.spacing, own.origin
+    first = np.zeros(2)
+    if asked.camera is not None:
+        # floats are finest near zero: there the eye is
+        eye = (np.array(asked.camera.eye[:2]) - [x, y]) / [dx, -dy]
+        first = np.clip(np.round(eye), 0, [own.columns - 1, own.rows - 1])
+    gathered = Gathered()
+    for piece, mesh, place in zip(joined.pieces, joined.meshes, joined.cut.places, strict=True):
+        gathered.add(piece, mesh, place, store.division.chunk)
+    places, heights, normals, triangles = gathered.arrays()
+    vertices = np.empty((len(places), 3), np.float32)
+    vertices[:, :2] = (places - first) * [dx, -dy]
+    vertices[:, 2] = heights
+    column, row = first
+    used = joined.used
+    return Mesh(
+        vertices,
+        normals,
+        triangles,
+        origin=np.array([x + column * dx, y - row * dy, own.base]),
+        crs=own.crs,
+        patches=gathered.patches(_grid_of(own.rows, own.columns, own.spacing)),
+        achieved=Achieved(
+            joined.metres,
+            None if np.isinf(asked.pixels) else asked.pixels * used,
+            used <= 1.0,
+            joined.rounds,
+        ),
+    )
 
 
 class Gathered:
@@ -74,7 +111,7 @@ class Gathered:
         )
 
 
-def grid_of(rows: int, columns: int, spacing: tuple[float, float]) -> TileGrid:
+def _grid_of(rows: int, columns: int, spacing: tuple[float, float]) -> TileGrid:
     """Return tiles of a raster of any size, as small as can be numbered."""
     try:
         return TileGrid(rows, columns, NODE, spacing)

@@ -1,13 +1,53 @@
-"""The chunks that a ray may meet the ground in, in order."""
+"""What rays meet first, chunk by chunk."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
+from ..mesh.hits import Hits
 from .cut import Chunks, Place
 from .view import Array
+from .window import Window
+
+
+def first_hits(
+    chunks: Chunks, window: Callable[[Place], Window], starts: Array, ways: Array
+) -> Hits:
+    """Return what rays meet first of level 0, of which the chunks that they pass are asked for.
+
+    Parameters
+    ----------
+    chunks : Chunks
+    window : callable
+        Returns a chunk.
+    starts, ways : (N, 3) float64
+    """
+    count = len(starts)
+    found = Hits(
+        np.full((count, 3), np.nan), np.full(count, np.nan), np.full(count, -1, np.int32),
+        np.full(count, -1, np.int32), np.full((count, 2), np.nan, np.float32),
+        np.full((count, 3), np.nan),
+    )  # fmt: skip
+    ahead = [
+        list(chunks_on_ray(chunks, start, way)) for start, way in zip(starts, ways, strict=True)
+    ]
+    # the next chunk of every ray that has met nothing yet, until none has one
+    while any(ahead):
+        by_chunk: dict[Place, list[int]] = {}
+        for ray, places in enumerate(ahead):
+            if places:
+                by_chunk.setdefault(places.pop(0), []).append(ray)
+        for place, rays in by_chunk.items():
+            hits = window(place).terrain.cast(starts[rays], ways[rays])
+            for number, ray in enumerate(rays):
+                if hits.hit[number]:
+                    found.position[ray] = hits.position[number]
+                    found.distance[ray] = hits.distance[number]
+                    found.normal[ray] = hits.normal[number]
+                    ahead[ray] = []
+    return found
 
 
 def chunks_on_ray(chunks: Chunks, start: Array, way: Array) -> Iterator[Place]:

@@ -37,7 +37,8 @@ def displace_on_device(patches: PatchSet, pattern: DevicePattern) -> DeviceVerti
     count = pattern.points.shape[0]
     vertices = DeviceVertices.empty(device, count)
     group = device.group_size(64)
-    kernel = device.kernel("terrain/domain.cl", "domain", GROUP=group, **patches.defines)
+    built = {"GROUP": group, "LANES": device.lanes, **patches.defines}
+    kernel = device.kernel("terrain/domain.cl", "domain", **built)
     kernel(
         (device.runs(patches.count) * group,),
         (group,),

@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from ..device.scan import exclusive_scan
+from ..device.scan import exclusive_scans
 from ..tessellation.pattern import DevicePattern
 from .buffers import PatchSet
 
@@ -50,8 +50,7 @@ def without_holes_on_device(patches: PatchSet, pattern: DevicePattern) -> Device
         counts=counts,
         point_counts=point_counts,
     )
-    offsets, total = exclusive_scan(counts)
-    point_offsets, used_total = exclusive_scan(point_counts)
+    (offsets, total), (point_offsets, used_total) = exclusive_scans(counts, point_counts)
     triangles = device.empty((total, 3), np.int32)
     points = device.empty((used_total, 2), np.uint32)
     device.kernel("terrain/holes.cl", "copy_kept", **patches.defines)(

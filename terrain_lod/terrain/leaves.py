@@ -1,17 +1,16 @@
-"""The hull stage of promises: which nodes of the quadtree are patches, and with which factors.
+"""The hull stage of promises: the nodes of the quadtree that are patches, and their factors.
 
 ::
 
-    visit, from the top down ─▶ choose, from the bottom up ─▶ leaves ─▶ sides ─▶ insides ─▶ measure
-                                                                ▲                  │           │
-                                                                └── split what ◀───┴───────────┘
-                                                                    nothing holds for
+    nodes, by what each costs (choice.py) ─▶ leaves ─▶ sides ─▶ insides ─▶ measure
+                                               ▲                  │           │
+                                               └── split what ◀───┴───────────┘
+                                                   nothing holds for
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import prod
 from typing import Any, Final
 
 import numpy as np
@@ -23,11 +22,9 @@ from ..device.scan import exclusive_scan
 from ..tessellation.factors import DeviceFactors
 from ..tessellation.pattern import DevicePattern
 from .buffers import PatchSet
+from .choice import FIRST_SHARE, Allowance, choose_nodes
 from .measure import measure_patches
 from .quadtree import DeviceQuadtree, Marks
-
-# what is predicted differs from what is measured by roundings, of places above all
-FIRST_SHARE: Final = 0.998
 
 # the least share of what is allowed that a pattern is still asked for; below it leaves are split,
 # and tiles meshed in full
@@ -91,14 +88,7 @@ class Leaves:
     stamp : int
         The mesh's number.
     marks : Marks
-    view : layout.VIEW record
-    cull : bool
-    metres, pixels : float
-        Errors allowed; infinite where not asked for.
-    weights : DeviceArray, (N,) float32, or None
-        How many times a node's error counts.
-    hysteresis : float
-        Share by which nodes may be held to less than they are allowed: what they were last.
+    allowance : Allowance
 
     Attributes
     ----------
@@ -126,72 +116,20 @@ class Leaves:
         tree: DeviceQuadtree,
         stamp: int,
         marks: Marks,
-        view: npt.NDArray[Any],
-        *,
-        cull: bool,
-        metres: float,
-        pixels: float,
-        weights: DeviceArray | None,
-        hysteresis: float = 0.0,
+        allowance: Allowance,
     ) -> None:
         self.tree, self.device = tree, tree.device
         self._stamp, self._marks = stamp, marks
-        self._asked = {
-            "view": view,
-            "cull": int(cull),
-            "metres": metres,
-            "pixels": pixels,
-            "is_weighted": int(weights is not None),
-            "weights": tree.deviations if weights is None else weights,
-            "hysteresis": hysteresis,
-        }
+        self._asked = allowance.arguments(tree)
         self.count, self._room = 0, -1
-        self._select()
+        chosen = choose_nodes(tree, stamp, marks, allowance)
+        self._append(chosen.count)
+        chosen.collect(self._leaves, marks.leaf_of)
         self._lay_sides()
 
     @property
     def _states(self) -> dict[str, Any]:
         return {"stamp": self._stamp, "marks": self._marks.marks}
-
-    def _select(self) -> None:
-        """Find the nodes of the cheapest mesh, by what each costs by itself."""
-        tree, device, depth = self.tree, self.device, self.tree.depth
-        above = range(depth + 1, len(tree.shapes))
-        # those from the depth up stand at the end
-        count = tree.count - int(tree.first[depth])
-        costs, counts = device.empty(count, np.float32), device.empty(count, np.uint32)
-        asked = {
-            **tree.arguments,
-            **self._asked,
-            **self._states,
-            "share": FIRST_SHARE,
-            "order": tree.order,
-            "errors": tree.errors,
-            "allowed": self._marks.allowed,
-            "costs": costs,
-        }
-        for level in reversed(above):
-            tree.run_groups("choice.cl", "visit", prod(tree.shapes[level]), **asked, level=level)
-        tree.run_groups(
-            "choice.cl", "descend", prod(tree.shapes[depth]), **asked, leaf_counts=counts
-        )
-        chosen = {"tree": tree.record, **self._states}
-        for level in above:
-            items = prod(tree.shapes[level])
-            tree.run("choice.cl", "choose", items, **chosen, level=level, costs=costs)
-        tree.run("choice.cl", "count", count, **chosen, nodes=count, leaf_counts=counts)
-        offsets, total = exclusive_scan(counts)
-        self._append(total)
-        tree.run(
-            "choice.cl",
-            "collect",
-            count,
-            **chosen,
-            nodes=count,
-            offsets=offsets,
-            leaves=self._leaves,
-            leaf_of=self._marks.leaf_of,
-        )
 
     def _append(self, extra: int) -> None:
         """Make room for more leaves, of which nothing is known."""

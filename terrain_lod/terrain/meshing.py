@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..device.timeline import Timeline
+from ..mesh.device_mesh import DeviceMesh
 from ..mesh.mesh import Achieved, Mesh, Patches
 from ..tessellation.factors import DeviceFactors
 from ..tessellation.pattern import DevicePattern
@@ -90,5 +91,18 @@ def mesh_of(
             deviation=deviation[there],
         ),
         timings=timeline.seconds,
+        achieved=made.achieved,
+    )
+
+
+def device_mesh_of(made: Tessellated) -> DeviceMesh:
+    """Put a pattern on the ground and leave it there."""
+    vertices, ground = displace_on_device(made.patches, made.pattern), made.patches.ground
+    return DeviceMesh(
+        vertices=vertices.positions,
+        normals=vertices.normals,
+        triangles=made.pattern.primitives,
+        origin=np.array(ground.origin),
+        crs=ground.relief.ground.crs,
         achieved=made.achieved,
     )

@@ -18,6 +18,7 @@ from ..camera.camera import Camera
 from ..device.device import DeviceArray
 from ..errors import InputError
 from ..mesh.mesh import Achieved
+from .choice import Allowance
 from .fitted import fitted_mesh
 from .leaves import Drawn, Leaves
 from .lod import PromiseLod
@@ -134,18 +135,16 @@ class Promise:
     def _within_tree(self, metres: float, pixels: float) -> Kept:
         tree = self.tiles.tree
         assert tree is not None  # who promises has it made
+        allowance = Allowance(
+            self.tiles.view(self.camera),
+            self.cull,
+            metres,
+            pixels,
+            tree.weights(self.weights),
+            0.0 if self.steady is None else self.steady.hysteresis,
+        )
         with tree.marked(self.steady) as (stamp, marks):
-            leaves = Leaves(
-                tree,
-                stamp,
-                marks,
-                self.tiles.view(self.camera),
-                cull=self.cull,
-                metres=metres,
-                pixels=pixels,
-                weights=tree.weights(self.weights),
-                hysteresis=0.0 if self.steady is None else self.steady.hysteresis,
-            )
+            leaves = Leaves(tree, stamp, marks, allowance)
             for rounds in range(1, _MOST_ROUNDS + 1):
                 if rounds > 1:
                     leaves.refine()
@@ -165,11 +164,8 @@ class Promise:
         standing = self._within_tree(metres, pixels)
         found = fitted_mesh(
             tree,
-            self.tiles.view(self.camera),
-            cull=self.cull,
-            metres=metres,
-            pixels=pixels,
-            weights=self.weights,
+            Allowance(self.tiles.view(self.camera), self.cull, metres, pixels),
+            self.weights,
             fewer_than=standing.triangle_count,
         )
         if found is None:

@@ -23,16 +23,18 @@ from ..errors import InputError
 from ..ground.grid import TileGrid
 from ..ground.heightmap import Heightmap
 from ..ground.relief import Relief
+from ..mesh.device_mesh import DeviceMesh
 from ..mesh.hits import Hits, checked_points, checked_rays
 from ..mesh.mesh import Mesh
 from .analysis import TileAnalysis
 from .buffers import DeviceGround
 from .fitted import HEIGHTS, check_fitted
 from .hull import hull_on_device
+from .leaves import Drawn
 from .lod import AnyLod, PromiseLod, Scene, Weighted, checked_lod, unweighted
 from .lod_formulas import UniformLod
 from .lod_promises import ScreenErrorLod
-from .meshing import Tessellated, mesh_of
+from .meshing import Tessellated, device_mesh_of, mesh_of
 from .promise import Promise
 from .queries import heights_on_device, rays_on_device
 from .steady import Steady
@@ -215,6 +217,50 @@ class Terrain:
         DeviceMemoryError
             If the device cannot hold the mesh.
         """
+        with self._turns.reading(), self.device.timed() as timeline:
+            made, tiles, drawn = self._tessellated(
+                camera, lod, edge_rule, partitioning, heights, cull, steady
+            )
+            return mesh_of(made, *tiles.described(drawn), timeline)
+
+    def mesh_on_device(
+        self,
+        camera: Camera | None = None,
+        *,
+        lod: AnyLod | None = None,
+        edge_rule: str | None = None,
+        partitioning: str | None = None,
+        heights: str = "ground",
+        cull: bool = True,
+        steady: Steady | None = None,
+    ) -> DeviceMesh:
+        """Tessellate the terrain as :meth:`mesh` does, and leave the mesh on the device.
+
+        Parameters are those of :meth:`mesh`, and so is what is raised.
+
+        Returns
+        -------
+        DeviceMesh
+            The same vertices, normals and triangles, to the bit. It says how NumPy, OpenCL and
+            others take them without a copy.
+        """
+        with self._turns.reading():
+            made, _, _ = self._tessellated(
+                camera, lod, edge_rule, partitioning, heights, cull, steady
+            )
+            return device_mesh_of(made)
+
+    def _tessellated(
+        self,
+        camera: Camera | None,
+        lod: AnyLod | None,
+        edge_rule: str | None,
+        partitioning: str | None,
+        heights: str,
+        cull: bool,
+        steady: Steady | None,
+    ) -> tuple[Tessellated, DeviceTiles, Drawn | None]:
+        """Return the pattern asked for, the tiles it is of, and what leaves were drawn."""
         if lod is None:
             lod = UniformLod(self.grid.tile) if camera is None else ScreenErrorLod()
         lod = checked_lod(lod)
@@ -228,8 +274,8 @@ class Terrain:
         one_of("partitioning", partitioning, layout.PARTITIONINGS)
         if promised and edge_rule is not None:
             raise InputError(
-                f"expected a formula with the edge rule {edge_rule!r}, got {promised}: promises go "
-                "by the edge's own error"
+                f"expected a formula with edge_rule=, got {promised}: promises go by the edge's "
+                "own error"
             )
         if steady and not (promised and promised.triangles is None and partitioning == "integer"):
             raise InputError(
@@ -243,32 +289,29 @@ class Terrain:
             raise InputError(f"{type(lod).__name__} needs a camera, got none")
         cull = flag("cull", cull) and camera is not None
         weighted, lod = lod, unweighted(lod)
-        with self._turns.reading(), self.device.timed() as timeline:
-            tiles = self._tiles
-            if isinstance(lod, PromiseLod):
-                tiles = self._with_tree() if partitioning == "integer" else self._with_ladder()
-            weights = None
-            if isinstance(weighted, Weighted) and camera is not None:
-                weights = weights_on_device(
-                    tiles, camera, horizon=weighted.horizon, silhouette=weighted.silhouette
-                )
-            if isinstance(lod, PromiseLod):
-                promise = Promise(
-                    tiles, camera, partitioning, "edge", cull, weights, steady, heights
-                )
-                kept = promise.keep(lod)
-                made, drawn = kept.made, kept.drawn
-            else:
-                factors = hull_on_device(
-                    tiles,
-                    lod,
-                    camera,
-                    edge_rule="min" if edge_rule is None else edge_rule,
-                    cull=cull,
-                    weights=weights,
-                )
-                made, drawn = Tessellated.of(tiles.patch_set, factors, partitioning), None
-            return mesh_of(made, *tiles.described(drawn), timeline)
+        tiles = self._tiles
+        if isinstance(lod, PromiseLod):
+            tiles = self._with_tree() if partitioning == "integer" else self._with_ladder()
+        weights = None
+        if isinstance(weighted, Weighted) and camera is not None:
+            weights = weights_on_device(
+                tiles, camera, horizon=weighted.horizon, silhouette=weighted.silhouette
+            )
+        if isinstance(lod, PromiseLod):
+            promise = Promise(tiles, camera, partitioning, "edge", cull, weights, steady, heights)
+            kept = promise.keep(lod)
+            made, drawn = kept.made, kept.drawn
+        else:
+            factors = hull_on_device(
+                tiles,
+                lod,
+                camera,
+                edge_rule="min" if edge_rule is None else edge_rule,
+                cull=cull,
+                weights=weights,
+            )
+            made, drawn = Tessellated.of(tiles.patch_set, factors, partitioning), None
+        return made, tiles, drawn
 
     def height_at(self, points: npt.ArrayLike) -> npt.NDArray[np.float64]:
         """Return the ground's elevations at points of the world.

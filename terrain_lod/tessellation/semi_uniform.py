@@ -20,7 +20,7 @@ import numpy.typing as npt
 from ..arguments import array, flag, one_of, whole
 from ..device.device import Device, DeviceArray
 from ..device.layout import FIXED_BITS
-from ..device.scan import exclusive_scan
+from ..device.scan import exclusive_scans
 from ..errors import InputError
 from .factors import rows_of
 from .pattern import TOPOLOGIES, DevicePattern, Pattern
@@ -156,8 +156,9 @@ def semi_uniform_device(
         **common,
     )
     # where to
-    point_offsets, point_count = exclusive_scan(point_counts)
-    triangle_offsets, triangle_count = exclusive_scan(triangle_counts)
+    (point_offsets, point_count), (triangle_offsets, triangle_count) = exclusive_scans(
+        point_counts, triangle_counts
+    )
     points, triangles = room_for_pattern(device, patches, point_count, triangle_count, 3)
     # which, a launch a level
     pattern = DevicePattern(points, triangles, point_offsets, triangle_offsets)

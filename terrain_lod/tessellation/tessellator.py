@@ -13,7 +13,7 @@ import numpy.typing as npt
 from ..arguments import one_of
 from ..device.device import Device, DeviceArray
 from ..device.layout import PARTITIONINGS
-from ..device.scan import exclusive_scan
+from ..device.scan import exclusive_scans
 from .factors import DOMAINS, checked_factors, counts
 from .pattern import TOPOLOGIES, DevicePattern, Pattern
 from .room import room_for_pattern
@@ -122,8 +122,9 @@ def tessellate_device(
         **factors,
     )
     # where to
-    point_offsets, point_count = exclusive_scan(point_counts)
-    primitive_offsets, primitive_count = exclusive_scan(primitive_counts)
+    (point_offsets, point_count), (primitive_offsets, primitive_count) = exclusive_scans(
+        point_counts, primitive_counts
+    )
     corners = DOMAINS[domain].corners
     points, primitives = room_for_pattern(device, patches, point_count, primitive_count, corners)
     # which

@@ -16,7 +16,7 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from .ellipsoid import AXIS, Floats, earth_centred
+from .ellipsoid import AXIS, Floats
 from .mend import TileMesh
 
 _MAGIC: Final = b"glTF"
@@ -46,8 +46,7 @@ def glb(mesh: TileMesh, normals: Floats, step: float, extras: dict[str, Any]) ->
     extras : dict
         What the node says besides.
     """
-    surface = mesh.surface
-    points = np.rint(earth_centred(surface.longitude, surface.latitude, surface.height) / step)
+    points = np.rint(mesh.surface.points / step)
     centre = np.rint((points.min(axis=0) + points.max(axis=0)) / 2)
     positions = _y_up((points - centre) * step).astype("<f4")
     corners = mesh.triangles.astype("<u2" if len(points) < 65535 else "<u4")

@@ -65,82 +65,61 @@ class TileMesh:
         return np.asarray(self.quanta * self.level.quantum, np.float64)
 
 
-@dataclass(frozen=True, eq=False)
-class _Missed:
-    """Samples of the triangles that miss some of theirs by too much.
-
-    Attributes
-    ----------
-    samples : Samples
-    owners : (S,) int64
-        The triangle of each.
-    """
-
-    samples: Samples
-    owners: Numbers
-
-
 def mended(mesh: TileMesh, source: Source) -> TileMesh:
-    """Return a mesh with its error, within what its level allows wherever that can be had."""
-    for _ in range(_PASSES):
-        mesh, missed = _measured(mesh, source)
-        if missed is None:
+    """Return a mesh with its error, within what its level allows wherever that can be had.
+
+    Samples come in parts. What is put in for one part changes what was measured of another, so
+    that all of them are looked at again; the last time nothing is put in.
+    """
+    for turn in range(_PASSES):
+        allowed = mesh.level.allowed if turn < _PASSES - 1 else np.inf
+        worst, count, parts, vertices = 0.0, 0, 0, len(mesh.places)
+        for samples in source.samples(mesh.bounds) if len(mesh.triangles) else ():
+            mesh, residuals = _with_samples(mesh, samples, source, allowed)
+            worst = max(worst, float(residuals.max(initial=0.0)))
+            count, parts = count + len(residuals), parts + 1
+        if parts <= 1 or len(mesh.places) == vertices:
             break
-        better = _with_samples(mesh, missed)
-        if len(better.places) == len(mesh.places):
-            break
-        mesh = better
-    else:
-        mesh, _ = _measured(mesh, source)
-    return mesh
+    return replace(mesh, error=mesh.level.stated(worst) if count else 0.0, samples=count)
 
 
-def _measured(mesh: TileMesh, source: Source) -> tuple[TileMesh, _Missed | None]:
-    worst, count, missed = 0.0, 0, []
-    for samples in source.samples(mesh.bounds) if len(mesh.triangles) else ():
-        owners = mesh.surface.owners(samples, source)
-        # one on the tile's border may fall to the next tile, by rounding
-        over = owners >= 0
-        samples, owners = samples.chosen(over), owners[over]
-        residuals = mesh.surface.residuals(samples, owners)
-        worst, count = max(worst, float(residuals.max(initial=0.0))), count + len(owners)
-        exceeding = np.zeros(len(mesh.triangles), bool)
-        exceeding[owners[residuals > mesh.level.allowed]] = True
-        those = exceeding[owners]
-        if those.any():
-            missed.append(_Missed(samples.chosen(those), owners[those]))
-    error = mesh.level.stated(worst) if count else 0.0
-    together = None
-    if missed:
-        columns = zip(*(vars(part.samples).values() for part in missed), strict=True)
-        samples = Samples(*(np.concatenate(parts) for parts in columns))
-        together = _Missed(samples, np.concatenate([part.owners for part in missed]))
-    return replace(mesh, error=error, samples=count), together
+def _with_samples(
+    mesh: TileMesh, samples: Samples, source: Source, allowed: float
+) -> tuple[TileMesh, Floats]:
+    """Put the worst sample of each triangle into it, and so on until none is missed.
 
-
-def _with_samples(mesh: TileMesh, missed: _Missed) -> TileMesh:
-    """Put the worst sample of each triangle into it, and so on until none is missed."""
-    samples, owners, level = missed.samples, missed.owners, mesh.level
+    Returns
+    -------
+    mesh : TileMesh
+    residuals : (S,) float64
+        How far each sample over the tile is from it.
+    """
+    owners = mesh.surface.owners(samples, source)
+    # one on the tile's border may fall to the next tile, by rounding
+    over = owners >= 0
+    samples, owners, level = samples.chosen(over), owners[over], mesh.level
+    seen = mesh.surface.seen(samples)
+    residuals = mesh.surface.residuals(seen, owners)
     points = _on_grid(samples, mesh.bounds, level.size)
     tried = np.zeros(len(owners), bool)
-    residuals = mesh.surface.residuals(samples, owners)
-    while (over := (residuals > level.allowed) & ~tried).any():
+    while (over := (residuals > allowed) & ~tried).any():
         chosen = _worst_of_each(owners, residuals, over)
         on_grid = np.rint(points[chosen]).astype(np.int64)
         cut = insert(mesh.places, mesh.triangles, owners[chosen], on_grid, level.size)
         tried[chosen[cut.put]] = tried[chosen[cut.hopeless]] = True
         new = np.rint(samples.height[chosen[cut.put]] / level.quantum).astype(np.int64)
+        changed = np.zeros(len(mesh.triangles), bool)
+        changed[cut.parents] = True
         mesh = replace(
             mesh,
             places=np.concatenate([mesh.places, on_grid[cut.put]]),
             quanta=np.concatenate([mesh.quanta, new]),
             triangles=cut.triangles,
         )
-        moved = np.flatnonzero(np.isin(owners, cut.parents))
-        owners = owners.copy()
+        moved = np.flatnonzero(changed[owners])
         owners[moved] = _part_of(points[moved], owners[moved], mesh, cut.parents)
-        residuals[moved] = mesh.surface.residuals(samples.chosen(moved), owners[moved])
-    return mesh
+        residuals[moved] = mesh.surface.residuals(seen.chosen(moved), owners[moved])
+    return mesh, residuals
 
 
 def _on_grid(samples: Samples, bounds: Bounds, size: int) -> Floats:

@@ -8,10 +8,11 @@ from typing import Final
 from ..arguments import flag, one_of, positive, text, whole
 from ..errors import InputError
 from ..ground.heightmap import Heightmap
-from .geoid import ELLIPSOID, above_ellipsoid
+from .geoid import ELLIPSOID
 from .glb import vertex_step
 from .job import Job
 from .levels import Level, reach
+from .mapped import MappedGround
 from .quantized_mesh import MOST, smallest_quantum
 from .schemes import Geographic, Mercator, Region, Scheme, require_within
 from .source import Source
@@ -29,7 +30,7 @@ _FINE: Final = 2.0**-9
 
 
 def planned(
-    ground: Heightmap,
+    ground: Heightmap | MappedGround,
     folder: Path,
     *,
     format: str,
@@ -54,8 +55,6 @@ def planned(
             "expected borders none or skirts with quantized-mesh, whose places are 1/32767 of a "
             "tile and so differ between levels, got frozen: 3dtiles have frozen ones"
         )
-    if geoid != ELLIPSOID:
-        ground = above_ellipsoid(ground, geoid)
     source = Source.of(ground)
     chosen: Scheme = Region(source.bounds) if boxes else Mercator()
     if globe:

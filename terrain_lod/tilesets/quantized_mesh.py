@@ -26,7 +26,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import InputError
-from .ellipsoid import AXIS, POLAR_AXIS, Floats, earth_centred
+from .ellipsoid import AXIS, POLAR_AXIS, Floats
 from .mend import TileMesh
 
 MOST: Final = 32767
@@ -77,9 +77,7 @@ def quantized_mesh(
     order, triangles = _by_first_use(mesh.triangles)
     places, quanta = mesh.places[order], mesh.quanta[order]
     low, high, steps = _steps(quanta, mesh.level.quantum)
-    points = earth_centred(
-        mesh.surface.longitude[order], mesh.surface.latitude[order], mesh.heights[order]
-    )
+    points = mesh.surface.points[order]
     centre = (points.min(axis=0) + points.max(axis=0)) / 2
     radius = np.linalg.norm(points - centre, axis=1).max()
     horizon = _horizon_point(points, centre)
@@ -108,11 +106,14 @@ def _by_first_use(
     triangles: npt.NDArray[np.int32],
 ) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
     """Return vertices in the order of their first use, and triangles by that order."""
-    used, first, inverse = np.unique(triangles, return_index=True, return_inverse=True)
-    rank = np.argsort(first)
-    number = np.empty(len(used), np.int64)
-    number[rank] = np.arange(len(used))
-    return used[rank].astype(np.int64), number[inverse].reshape(-1, 3)
+    corners = triangles.ravel()
+    first = np.full(int(corners.max()) + 1, len(corners))
+    # what is written last stays: from the end, that is the first use
+    first[corners[::-1]] = np.arange(len(corners))[::-1]
+    order = corners[first[corners] == np.arange(len(corners))].astype(np.int64)
+    number = np.empty(len(first), np.int64)
+    number[order] = np.arange(len(order))
+    return order, number[triangles]
 
 
 def _steps(

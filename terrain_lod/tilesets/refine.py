@@ -64,7 +64,8 @@ def insert(places: Places, triangles: Triangles, owners: Numbers, points: Places
     opposite = (areas / lengths).argmin(axis=1)
     row = np.arange(len(points))
     near = areas[row, opposite] <= _NEAR * lengths[row, opposite]
-    others = _beyond(triangles, len(places), triangles[owners], opposite)
+    others = np.full(len(points), -1)
+    others[near] = _beyond(triangles, len(places), triangles[owners[near]], opposite[near])
     apex, first, second = (triangles[owners, (opposite + i) % 3] for i in range(3))
     far = np.where(others < 0, apex, triangles[others].sum(axis=1) - first - second)
     quarters = [(apex, first), (second, apex), (first, far), (far, second)]
@@ -109,14 +110,23 @@ def _beyond(
     all_triangles: Triangles, vertices: int, triangles: Triangles, corners: Numbers
 ) -> Numbers:
     """Return the triangle beyond the side opposite to a corner of each, -1 where there is none."""
-    starts, ends = all_triangles.astype(np.int64), np.roll(all_triangles, -1, axis=1)
-    keys = (starts * vertices + ends).ravel()
-    order = np.argsort(keys)
     row = np.arange(len(triangles))
     first, second = (triangles[row, (corners + i) % 3].astype(np.int64) for i in (1, 2))
+    # few sides are asked for: those of all triangles that begin and end like one of them
+    begins, ends = np.zeros((2, vertices), bool)
+    begins[second] = ends[first] = True
+    starts, stops = all_triangles.ravel(), np.roll(all_triangles, -1, axis=1).ravel()
+    sides = np.flatnonzero(begins[starts] & ends[stops])
+    keys = starts[sides].astype(np.int64) * vertices + stops[sides]
+    order = np.argsort(keys)
     wanted = second * vertices + first
-    at = order[np.minimum(np.searchsorted(keys, wanted, sorter=order), len(keys) - 1)]
-    return np.where(keys[at] == wanted, at // 3, -1)
+    at = np.searchsorted(keys, wanted, sorter=order)
+    there = at < len(keys)
+    found = order[at[there]]
+    there[there] = keys[found] == wanted[there]
+    result = np.full(len(triangles), -1)
+    result[there] = sides[order[at[there]]] // 3
+    return result
 
 
 def _areas(corners: Places, points: Places) -> Numbers:

@@ -9,6 +9,7 @@ are asked for a height. The larger counts.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -22,6 +23,31 @@ Triangles = npt.NDArray[np.int32]
 # samples this close to a side, in samples, belong to the triangle
 _NEAR = 1e-6
 _NEAR_DEGREES = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """Samples, as distances are worked out from them.
+
+    Attributes
+    ----------
+    east, north : (S,) float64
+        Degrees from a surface's middle.
+    height : (S,) float64
+    up : (S, 3) float64
+        Normals of the ellipsoid.
+    foot : (S, 3) float64
+        Where these leave it, relative to where the middle is.
+    """
+
+    east: Floats
+    north: Floats
+    height: Floats
+    up: Floats
+    foot: Floats
+
+    def chosen(self, which: npt.NDArray[np.int64]) -> Seen:
+        return Seen(*(values[which] for values in vars(self).values()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,29 +86,55 @@ class Surface:
             np.array([(west + east) / 2, (south + north) / 2]),
         )
 
-    def residuals(self, samples: Samples, owners: npt.NDArray[np.int64]) -> Floats:
+    @cached_property
+    def points(self) -> Floats:
+        """Earth-centred places of the vertices; (V, 3)."""
+        return earth_centred(self.longitude, self.latitude, self.height)
+
+    def seen(self, samples: Samples) -> Seen:
+        """Return what of samples their distances are worked out from."""
+        up = upwards(samples.longitude, samples.latitude)
+        return Seen(
+            samples.longitude - self.middle[0],
+            samples.latitude - self.middle[1],
+            samples.height,
+            up,
+            on_ellipsoid(up) - self._origin,
+        )
+
+    def residuals(self, seen: Seen, owners: npt.NDArray[np.int64]) -> Floats:
         """Return the distance of each sample from its triangle; (S,)."""
-        lon, lat = samples.longitude, samples.latitude
-        used, owners = np.unique(owners, return_inverse=True)
+        used = np.zeros(len(self.triangles), bool)
+        used[owners] = True
+        number = np.cumsum(used) - 1
         corners = self.triangles[used]
-        x, y, z = self.longitude[corners], self.latitude[corners], self.height[corners]
-        # around the tile's middle, where numbers are small
-        middle = on_ellipsoid(upwards(self.middle[0], self.middle[1]))
-        a, b, c = np.moveaxis(earth_centred(x, y, z) - middle, 1, 0)
+        a, b, c = np.moveaxis(self.points[corners] - self._origin, 1, 0)
         # the plane of each triangle: normal . point = constant
         normals = np.cross(b - a, c - a)
         constants = np.einsum("ij,ij->i", normals, a)
-        up, normal = upwards(lon, lat), normals[owners]
-        over = constants[owners] - np.einsum("ij,ij->i", normal, on_ellipsoid(up) - middle)
-        drawn = over / np.einsum("ij,ij->i", normal, up)
-        # height = that of the first corner + slope . (place - its place)
+        x, y, z = (
+            values[corners]
+            for values in (
+                self.longitude - self.middle[0], self.latitude - self.middle[1], self.height
+            )
+        )  # fmt: skip
+        # height = constant + slopes . place
         ux, uy, rise_u = (values[:, 1] - values[:, 0] for values in (x, y, z))
         vx, vy, rise_v = (values[:, 2] - values[:, 0] for values in (x, y, z))
         area = ux * vy - uy * vx
         east, north = (rise_u * vy - rise_v * uy) / area, (rise_v * ux - rise_u * vx) / area
-        linear = z[owners, 0] + east[owners] * (lon - x[owners, 0])
-        linear += north[owners] * (lat - y[owners, 0])
-        return np.asarray(np.maximum(abs(drawn - samples.height), abs(linear - samples.height)))
+        level = z[:, 0] - east * x[:, 0] - north * y[:, 0]
+        owners = number[owners]
+        normal = normals[owners]
+        over = constants[owners] - np.einsum("ij,ij->i", normal, seen.foot)
+        drawn = over / np.einsum("ij,ij->i", normal, seen.up)
+        linear = level[owners] + east[owners] * seen.east + north[owners] * seen.north
+        return np.asarray(np.maximum(abs(drawn - seen.height), abs(linear - seen.height)))
+
+    @cached_property
+    def _origin(self) -> Floats:
+        """Where the ellipsoid is at the middle: around it, earth-centred numbers are small."""
+        return on_ellipsoid(upwards(self.middle[0], self.middle[1]))
 
     def owners(self, samples: Samples, source: Source) -> npt.NDArray[np.int64]:
         """Return the triangle that each sample stands over, -1 where there is none; (S,).

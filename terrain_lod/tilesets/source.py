@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -13,6 +13,7 @@ from ..errors import InputError
 from ..ground.heightmap import Heightmap
 from ..ground.units import unit_called
 from .ellipsoid import Floats, radii
+from .mapped import MappedGround
 from .place import Place
 from .schemes import Bounds
 
@@ -49,7 +50,7 @@ class Source:
 
     Attributes
     ----------
-    ground : Heightmap
+    ground : Heightmap or MappedGround
     place : Place
         Of its x and y.
     metres : float
@@ -62,7 +63,7 @@ class Source:
         Degrees that hold every sample.
     """
 
-    ground: Heightmap
+    ground: Heightmap | MappedGround
     place: Place
     metres: float
     filled: npt.NDArray[np.float32]
@@ -70,7 +71,7 @@ class Source:
     bounds: Bounds
 
     @classmethod
-    def of(cls, ground: Heightmap) -> Source:
+    def of(cls, ground: Heightmap | MappedGround) -> Source:
         """Find out where a ground is.
 
         Raises
@@ -90,6 +91,10 @@ class Source:
             distance, nearest = distance_transform_edt(ground.mask, return_indices=True)
             filled, away = ground.heights[tuple(nearest)], distance.astype(np.float32)
         return cls(ground, place, unit.metres, filled, away, _bounds(ground, place))
+
+    def __reduce__(self) -> tuple[Callable[[Heightmap | MappedGround], Source], tuple[Any]]:
+        # a mapped ground is not sent, but mapped anew; what is filled is worked out
+        return Source.of, (self.ground,)
 
     @property
     def step(self) -> float:
@@ -135,17 +140,22 @@ class Source:
         row = np.minimum(rows.astype(np.int64), last_row - 1)
         column = np.minimum(columns.astype(np.int64), last_column - 1)
         down, across = rows - row, columns - column
-        corners = self.filled.reshape(-1)
         index = row * (last_column + 1) + column
-        north = corners[index] * (1 - across) + corners[index + 1] * across
+        north = self._taken(index) * (1 - across) + self._taken(index + 1) * across
         index += last_column + 1
-        south = corners[index] * (1 - across) + corners[index + 1] * across
+        south = self._taken(index) * (1 - across) + self._taken(index + 1) * across
         heights = (self.ground.base + north * (1 - down) + south * down) * self.metres
         if self.away is not None:
             nearest = np.rint(rows).astype(np.int64), np.rint(columns).astype(np.int64)
             there &= self.away[nearest] <= far
         heights[~there] = np.nan
         return np.asarray(heights)
+
+    def _taken(self, numbers: npt.NDArray[np.int64]) -> npt.NDArray[np.float32]:
+        """Return filled heights of samples that are numbered row by row."""
+        if isinstance(self.ground, MappedGround):
+            return self.ground.take(numbers)
+        return np.asarray(self.filled.reshape(-1)[numbers])
 
     def samples(self, bounds: Bounds) -> Iterator[Samples]:
         """Yield the samples within `bounds`, its edges included, in parts of a limited size."""
@@ -162,6 +172,8 @@ class Source:
             if inside.any():
                 heights = self.ground.heights[part][inside].astype(np.float64)
                 heights = (heights + self.ground.base) * self.metres
+                if isinstance(self.ground, MappedGround):
+                    self.ground.release()
                 yield Samples(row[inside], column[inside], lon[inside], lat[inside], heights)
 
     def _window(self, bounds: Bounds) -> tuple[tuple[int, int], tuple[int, int]]:
@@ -187,7 +199,7 @@ class Source:
         return (first[0], first[1]), (stop[0], stop[1])
 
 
-def _bounds(ground: Heightmap, place: Place) -> Bounds:
+def _bounds(ground: Heightmap | MappedGround, place: Place) -> Bounds:
     """Return the degrees that hold the raster, or say why there are none."""
     rows, columns = ground.shape
     (x, y), (dx, dy) = ground.origin, ground.spacing

@@ -86,8 +86,10 @@ def _meshed(
 
 def _compact(triangles: Triangles) -> tuple[npt.NDArray[np.int64], Triangles]:
     """Return the vertices that are used, and the triangles by the numbers of these."""
-    used, numbers = np.unique(triangles, return_inverse=True)
-    return used.astype(np.int64), numbers.reshape(-1, 3).astype(np.int32)
+    there = np.zeros(int(triangles.max(initial=-1)) + 1, bool)
+    there[triangles] = True
+    numbers = (np.cumsum(there) - 1).astype(np.int32)
+    return np.flatnonzero(there), numbers[triangles]
 
 
 def _between(heights: Floats, steps: Floats) -> Floats:

@@ -7,6 +7,7 @@ polygon that is left, all of which the point could see, is cut into triangles an
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from itertools import pairwise
 
@@ -31,17 +32,21 @@ class Outline:
     """
 
     def __init__(self, places: Places, triangles: Triangles, size: int) -> None:
-        self.places: list[list[int]] = places.tolist()
-        self.size = size
         on_border = ((places == 0) | (places == size)).any(axis=1)
         near = on_border[triangles].any(axis=1)
+        used = np.unique(triangles[near])
+        self.places: dict[int, tuple[int, int]] = dict(
+            zip(used.tolist(), map(tuple, places[used].tolist()), strict=True)
+        )
+        self._all = places.copy()
+        self._new: list[tuple[int, int]] = []
         self._far = triangles[~near]
         self._near: dict[int, tuple[int, int, int]] = {}
         self._around: dict[int, set[int]] = {}
         self._next = 0
         for a, b, c in triangles[near].tolist():
             self._add(a, b, c)
-        self._border = np.flatnonzero(on_border).tolist()
+        self._border = set(np.flatnonzero(on_border).tolist())
 
     def fit(self, axis: int, line: int, wanted: Sequence[int]) -> None:
         """Make a side's vertices those `wanted`.
@@ -60,9 +65,10 @@ class Outline:
             for vertex in self._border
             if self.places[vertex][1 - axis] == line
         }
+        self._move(axis, line, there, wanted)
         new = sorted(set(wanted) - there.keys())
         for (low, a), (high, b) in pairwise(sorted(there.items())):
-            inside = [place for place in new if low < place < high]
+            inside = new[bisect_right(new, low) : bisect_left(new, high)]
             if inside:
                 there.update(self._insert(axis, line, a, b, inside))
         ends = sorted(there)
@@ -74,10 +80,44 @@ class Outline:
             else:
                 self._remove(there[place], previous, there[following])
 
+    def _move(self, axis: int, line: int, there: dict[int, int], wanted: Sequence[int]) -> None:
+        """Move vertices that are not wanted to wanted places nearby, where triangles allow it.
+
+        What is moved need not be taken out and put in, which costs far more.
+        """
+        new = sorted(set(wanted) - there.keys())
+        kept = set(wanted)
+        before = 0
+        for place, following in pairwise(sorted(there)[1:]):
+            choices = new[bisect_right(new, before) : bisect_left(new, following)]
+            if place in kept or not choices:
+                before = place
+                continue
+            nearest = min(choices, key=lambda choice: abs(choice - place))
+            if self._moved(there[place], (nearest, line) if axis == 0 else (line, nearest)):
+                there[nearest] = there.pop(place)
+                new.remove(nearest)
+                place = nearest
+            before = place
+
+    def _moved(self, vertex: int, place: tuple[int, int]) -> bool:
+        """Move a vertex unless that would turn, or nearly flatten, one of its triangles."""
+        around = [self._near[number] for number in self._around[vertex]]
+        areas = [self._area(*corners) for corners in around]
+        was, self.places[vertex] = self.places[vertex], place
+        if any(
+            4 * self._area(*corners) < area for corners, area in zip(around, areas, strict=True)
+        ):
+            self.places[vertex] = was
+            return False
+        self._all[vertex] = place
+        return True
+
     def result(self) -> tuple[Places, Triangles]:
         """Return the places of all vertices, some of which nobody uses, and all triangles."""
         near = np.array(list(self._near.values()), np.int32).reshape(-1, 3)
-        return np.array(self.places, np.int64), np.concatenate([self._far, near])
+        new = np.array(self._new, np.int64).reshape(-1, 2)
+        return np.concatenate([self._all, new]), np.concatenate([self._far, near])
 
     def _add(self, a: int, b: int, c: int) -> None:
         self._near[self._next] = (a, b, c)
@@ -100,14 +140,15 @@ class Outline:
         (apex,) = set(corners) - {a, b}
         made = {}
         for place in inside:
-            made[place] = len(self.places)
-            self.places.append([place, line] if axis == 0 else [line, place])
+            made[place] = vertex = len(self._all) + len(self._new)
+            self._new.append((place, line) if axis == 0 else (line, place))
+            self.places[vertex] = self._new[-1]
         chain = [a, *made.values(), b]
         # the triangle ran a, b, apex or b, a, apex
         turn = corners[(corners.index(a) + 1) % 3] == b
         for first, second in pairwise(chain):
             self._add(*((first, second, apex) if turn else (second, first, apex)))
-        self._border.extend(made.values())
+        self._border.update(made.values())
         return made
 
     def _remove(self, vertex: int, previous: int, following: int) -> None:

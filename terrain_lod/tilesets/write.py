@@ -3,21 +3,27 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import ClassVar, Final
+from tempfile import TemporaryDirectory
+from typing import Any, ClassVar, Final
 
 import numpy as np
 
-from ..arguments import file_path, instance, one_of
+from ..arguments import file_path, one_of, text
+from ..errors import FileError
 from ..ground.heightmap import Heightmap
+from ..sources.opening import source_of
 from ..tasks import Progress, Workers, require_workers, run_tasks
-from .geoid import ELLIPSOID
+from .geoid import ELLIPSOID, Geoid, above_ellipsoid
 from .globe import write_globe_tile, write_layer
 from .job import Job
 from .journal import Journal, Record
+from .mapped import MappedGround
+from .mapping import mapped_ground
 from .plan import planned
 from .schemes import Tile
 from .terrain_rgb import write_picture, write_tilejson
@@ -109,7 +115,7 @@ class TilesReport:
 
 
 def write_tiles(
-    ground: Heightmap,
+    ground: Any,
     folder: str | Path,
     *,
     format: str = "quantized-mesh",
@@ -139,8 +145,11 @@ def write_tiles(
 
     Parameters
     ----------
-    ground : Heightmap
-        With a CRS. Without data at all at a pole, or across the 180th meridian.
+    ground : Heightmap, path or array
+        With a CRS. Without data at all at a pole, or across the 180th meridian. What is no
+        heightmap is read as :func:`terrain_lod.build` does, window by window, into a file beside
+        `folder`, of 4 bytes a sample, which is removed at the end: it may be larger than memory.
+        Such ground can have no holes.
     folder : str or Path
         Made if it is not there; empty, or with the same work begun.
     format : {"quantized-mesh", "3dtiles", "terrarium", "mapbox"}, optional
@@ -188,20 +197,44 @@ def write_tiles(
         If the CRS or the geoid needs pyproj.
     """
     one_of("format", format, FORMATS)
-    instance("a Heightmap for ground", ground, Heightmap)
     require_workers(workers)
-    job = planned(
-        ground if crs is None else ground.with_crs(crs),
-        file_path("folder", folder),
-        format=format,
-        error=error,
-        zoom=zoom,
-        scheme=scheme,
-        tiling=tiling,
-        borders=borders,
-        geoid=geoid,
-        gzip=gzip,
-    )
+    folder = file_path("folder", folder)
+    above = None if text("geoid", geoid) == ELLIPSOID else Geoid.called(geoid)
+    with _prepared(ground, folder, crs, above) as prepared:
+        job = planned(
+            prepared,
+            folder,
+            format=format,
+            error=error,
+            zoom=zoom,
+            scheme=scheme,
+            tiling=tiling,
+            borders=borders,
+            geoid=geoid,
+            gzip=gzip,
+        )
+        return _written(job, format, workers, progress)
+
+
+@contextmanager
+def _prepared(
+    ground: Any, folder: Path, crs: str | None, geoid: Geoid | None
+) -> Iterator[Heightmap | MappedGround]:
+    """Yield ground with heights above the ellipsoid, in memory or in a file of its own."""
+    if isinstance(ground, Heightmap):
+        ground = ground if crs is None else ground.with_crs(crs)
+        yield ground if geoid is None else above_ellipsoid(ground, geoid)
+        return
+    source = source_of(ground)
+    beside = next(parent for parent in folder.absolute().parents if parent.is_dir())
+    try:
+        with TemporaryDirectory(prefix=".terrain_lod-", dir=beside) as temporary:
+            yield mapped_ground(source, Path(temporary) / "heights", crs, geoid)
+    except PermissionError as error:
+        raise FileError(f"cannot write to {beside}: {error.strerror}") from None
+
+
+def _written(job: Job, format: str, workers: Workers, progress: Progress | None) -> TilesReport:
     tiles = [
         (z, x, y)
         for z in sorted(job.levels)
@@ -234,10 +267,13 @@ def write_tiles(
     return TilesReport(job.folder, format, records, asked, len(left))
 
 
-def _fingerprint(ground: Heightmap) -> str:
+def _fingerprint(ground: Heightmap | MappedGround) -> str:
     """Return what tells a ground from others."""
     digest = hashlib.sha256(repr((ground.spacing, ground.origin, ground.base, ground.crs,
                                   ground.units)).encode())  # fmt: skip
+    if isinstance(ground, MappedGround):
+        digest.update(ground.fingerprint.encode())
+        return digest.hexdigest()
     digest.update(np.ascontiguousarray(ground.heights).data)
     if ground.mask is not None:
         digest.update(np.packbits(ground.mask).data)

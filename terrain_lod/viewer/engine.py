@@ -18,6 +18,8 @@ _log = logging.getLogger(__name__)
 
 # what a mesh did not measure takes most of a second: only for eyes at rest
 _REST: Final = 0.3  # seconds
+# what is not all there is made again, after so long
+_AGAIN: Final = 0.1  # seconds
 
 
 class Engine:
@@ -107,6 +109,9 @@ class Engine:
             frame = self._model.scene.frame(request)
             self.problem = None
             self._publish(frame)
+            while not (frame.is_complete or self._disturbed(_AGAIN)):
+                frame = self._model.scene.frame(request)
+                self._publish(frame)
             if not self._disturbed(_REST):
                 self._publish(frame.measured())
         except (TerrainError, OSError, MemoryError) as error:

@@ -89,6 +89,11 @@ class Frame(ABC):
     def painted(self) -> Paint:
         """Return the mesh's colours."""
 
+    @property
+    def is_complete(self) -> bool:
+        """Whether the same request would be answered alike a moment later."""
+        return True
+
     def measured(self) -> Frame:
         """Return the frame with what takes longer to find out."""
         return self

@@ -19,11 +19,13 @@ from ..device.device import Device
 from ..errors import GraphicsError
 from ..ground.heightmap import Heightmap
 from ..mesh.mesh import Mesh
+from ..streaming.terrain import StreamingTerrain
 from .controls import Controls
 from .mesh_scene import BezierScene, CurvedScene
 from .model import Model
 from .movie import Movie
 from .scene import Scene
+from .streaming_scene import StreamingScene
 from .terrain_scene import TerrainScene
 from .window import Window
 
@@ -31,7 +33,7 @@ _PERIOD: Final = 15  # milliseconds between two looks for something new
 
 
 def view(
-    what: Model | Heightmap | Mesh | npt.ArrayLike,
+    what: Model | Heightmap | StreamingTerrain | Mesh | npt.ArrayLike,
     camera: Camera | None = None,
     *,
     settings: Mapping[str, Any] | None = None,
@@ -44,9 +46,9 @@ def view(
 
     Parameters
     ----------
-    what : Heightmap, Mesh, (P, 4, 4, 3) array_like, or Model
-        Ground; triangles, to be curved as PN-triangles; Bézier patches; or a scene that can be read
-        again from its file.
+    what : Heightmap, StreamingTerrain, Mesh, (P, 4, 4, 3) array_like, or Model
+        Ground, in memory or on disk; triangles, to be curved as PN-triangles; Bézier patches; or a
+        scene that can be read again from its file.
     camera : Camera, optional
         Where to begin; its size is the window's.
     settings : mapping, optional
@@ -84,7 +86,7 @@ def view(
 
 
 def look(
-    what: Model | Heightmap | Mesh | npt.ArrayLike,
+    what: Model | Heightmap | StreamingTerrain | Mesh | npt.ArrayLike,
     camera: Camera | None = None,
     *,
     settings: Mapping[str, Any] | None = None,
@@ -137,10 +139,14 @@ def look(
         window.close()
 
 
-def scene_of(what: Heightmap | Mesh | npt.ArrayLike, *, device: Device | None = None) -> Scene:
+def scene_of(
+    what: Heightmap | StreamingTerrain | Mesh | npt.ArrayLike, *, device: Device | None = None
+) -> Scene:
     """Return what is looked at as the viewer's scene; see :func:`view`."""
     if isinstance(what, Heightmap):
         return TerrainScene(what, device=device)
+    if isinstance(what, StreamingTerrain):
+        return StreamingScene(what)
     if isinstance(what, Mesh):
         return CurvedScene(what, device=device)
     return BezierScene(what, device=device)
@@ -165,7 +171,7 @@ def require_display() -> None:
 
 
 def _model(
-    what: Model | Heightmap | Mesh | npt.ArrayLike,
+    what: Model | Heightmap | StreamingTerrain | Mesh | npt.ArrayLike,
     settings: Mapping[str, Any] | None,
     device: Device | None,
 ) -> Model:

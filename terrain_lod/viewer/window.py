@@ -220,7 +220,8 @@ class Window:
         while perf_counter() < end:
             idle = self.engine.wait(max(0.0, end - perf_counter()), measured=measured)
             self.pump()
-            newest = self.frame is not None and self.frame.request.number == self._asked
+            frame = self.frame
+            newest = frame is not None and frame.request.number == self._asked and frame.is_complete
             if newest and (not measured or idle):
                 break
             problem = self.engine.problem

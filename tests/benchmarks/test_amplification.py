@@ -159,6 +159,7 @@ def test_empty_mesh_is_refused():
         amplify(Mesh(nothing, nothing, np.zeros((0, 3), np.int32)))
 
 
+@pytest.mark.slow
 def test_benchmark_prints_and_draws(tmp_path):
     script, picture = BENCHMARKS / "amplification.py", tmp_path / "a.svg"
     command = [sys.executable, script, "--levels", "1", "3", "--rounds", "1", "--copies", "2"]

@@ -114,6 +114,7 @@ def test_detail_is_laid_over_the_ground(ground, capsys):
     assert "watertight" in out
 
 
+@pytest.mark.slow
 def test_lods_and_their_options_reach_the_mesh(ground, capsys):
     def triangles(*options):
         assert run(["mesh", ground, "-o", "hills.glb", *options]) == 0
@@ -153,6 +154,7 @@ def test_report_and_demo(ground, capsys, command, monkeypatch):
         assert not {name for name in made if not name.startswith("report") and name not in out}
 
 
+@pytest.mark.slow
 @needs_graphics
 def test_camera_comes_from_a_report(ground, capsys):
     view = ["--eye", "10,20,300", "--fov", "50", *SMALL]

@@ -40,6 +40,7 @@ def test_an_exception_is_one_line_and_the_rest_goes_on() -> None:
     assert verdicts("raises", "sound") == ["RuntimeError: the first line", "sound"]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="no signals")
 def test_crashes_are_blamed_on_their_kernels_and_the_rest_goes_on() -> None:
     assert verdicts("sound", "aborts", "reads_nowhere", "exits", "sound") == [
@@ -84,6 +85,7 @@ def test_a_later_device_is_chosen_by_its_number(capsys: pytest.CaptureFixture[st
     assert "(export TERRAIN_LOD_DEVICE=1)" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_no_sound_device_is_exit_status_1(capsys: pytest.CaptureFixture[str]) -> None:
     assert run_doctor(checks=BAD) == 1
     said = capsys.readouterr()

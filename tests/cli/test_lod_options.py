@@ -112,6 +112,7 @@ def test_own_class_in_render_and_beside_another(capsys) -> None:
     assert lods[1] == "SlopeLod(segments=3.0)"
 
 
+@pytest.mark.slow
 def test_own_class_in_report(capsys) -> None:
     own = ["--lod", "in/mine.py:SlopeLod", "--segments", "3", "--falloff", "2"]
     options = ["--partitioning", "integer", *SMALL]

@@ -76,6 +76,7 @@ def test_ten_thousand_random_triangles_within_4_ulp(scale: float, offset: float)
     assert np.quantile(np.abs(unit - blended), 0.999) < 1e-6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("partitioning", ["fractional_odd", "integer"])
 @pytest.mark.parametrize("factor", [1.0, 2.0, 2.5, 3.7, 64.0])
 def test_both_sides_of_an_edge_have_the_same_bits(factor: float, partitioning: str) -> None:

@@ -312,6 +312,7 @@ def test_a_kernel_is_built_once_for_its_defines(device: Device, folder: Path) ->
     assert out.host() == 0.5
 
 
+@pytest.mark.slow
 def test_programs_lately_asked_for_are_kept_and_others_are_built_again(
     device: Device, folder: Path
 ) -> None:

@@ -164,6 +164,7 @@ needs_pocl = pytest.mark.skipif(
 )
 
 
+@pytest.mark.slow
 @needs_pocl
 def test_pocl_compiles_anew_what_is_removed(tmp_path: Path) -> None:
     assert run(tmp_path).stdout == TOTAL
@@ -178,6 +179,7 @@ def test_pocl_compiles_anew_what_is_removed(tmp_path: Path) -> None:
     assert (child.returncode, child.stdout, child.stderr) == (0, TOTAL, "")
 
 
+@pytest.mark.slow
 @needs_pocl
 def test_a_folder_that_cannot_be_written_is_replaced_for_a_while_and_said() -> None:
     # not even root can make a folder there

@@ -75,6 +75,7 @@ def run_with(path: str, folder: Path, cache: str) -> subprocess.CompletedProcess
     )
 
 
+@pytest.mark.slow
 @needs_pocl
 def test_a_machine_without_a_compiler_links_with_ours(tmp_path: Path) -> None:
     bare = run_with("/nonexistent", tmp_path, "bare")
@@ -87,6 +88,7 @@ def test_a_machine_without_a_compiler_links_with_ours(tmp_path: Path) -> None:
     assert len(set(json.loads(bare.stdout))) > 50
 
 
+@pytest.mark.slow
 @needs_pocl
 def test_it_gives_what_the_systems_linker_gives(tmp_path: Path) -> None:
     whole = run_with(os.environ["PATH"], tmp_path, "whole")

@@ -252,6 +252,7 @@ def test_drapes_are_checked(tmp_path):
 # the command and the example
 
 
+@pytest.mark.slow
 @needs_graphics
 def test_command(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)

@@ -223,6 +223,7 @@ def test_the_command_refuses_in_one_line(words, message, capsys, tmp_path, monke
     assert error.count("\n") == 1
 
 
+@pytest.mark.slow
 def test_the_pictures_of_the_page_are_made_by_its_script(tmp_path):
     root = Path(__file__).parents[2]
     subprocess.run(

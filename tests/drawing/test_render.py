@@ -40,6 +40,7 @@ def test_ground_terrain_and_mesh_are_drawn_alike(tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 def test_without_a_camera_all_is_in_view() -> None:
     ground = rough()
     seen = tl.render(ground, lod=tl.UniformLod(1), style="lod")

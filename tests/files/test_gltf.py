@@ -92,6 +92,7 @@ def test_colours_and_deep_nodes(load):
 # compression
 
 
+@pytest.mark.slow
 def test_draco(load):
     draco = pytest.importorskip("DracoPy")
     points, corners = y_up(TETRAHEDRON.points).astype(np.float32), TETRAHEDRON.triangles
@@ -116,6 +117,7 @@ def test_draco(load):
         load(document.glb())
 
 
+@pytest.mark.slow
 def test_without_dracopy_one_line_says_what_to_install(tmp_path, monkeypatch, load):
     (tmp_path / "DracoPy.py").write_text("raise ImportError")
     monkeypatch.syspath_prepend(tmp_path)

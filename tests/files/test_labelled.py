@@ -165,6 +165,7 @@ def test_degrees_without_a_crs_are_said() -> None:
     assert ground.spacing == pytest.approx((76.1, 111.2), abs=0.2)
 
 
+@pytest.mark.slow
 def test_the_accessor_meshes() -> None:
     import terrain_lod.xarray  # noqa: F401
 

@@ -94,6 +94,7 @@ def test_a_png_that_claims_the_world(tmp_path: Path) -> None:
     refusal((FileError, InputError), tmp_path / "a.png")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ending", ["gz", "zip"])
 def test_a_tile_is_unpacked_no_further_than_a_tile(tmp_path: Path, ending: str) -> None:
     path = tmp_path / f"N46E007.hgt.{ending}"
@@ -139,6 +140,7 @@ def test_a_raster_beyond_memory_names_bytes_and_ways_out(tmp_path: Path) -> None
     assert part.origin == (500_000 + 30 * 300_000.5, 4_000_000 - 20 * 399_990.5)
 
 
+@pytest.mark.slow
 def test_the_limit_of_the_address_space_counts(tmp_path: Path) -> None:
     path = sparse(tmp_path / "a.tif", 30_000)
     program = (
@@ -162,6 +164,7 @@ def test_free_memory_is_known_here() -> None:
         require_memory(10**6, 10**6, np.float32, "a")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dtype", ["int16", "float64"])
 def test_what_loading_takes_is_what_is_promised(tmp_path: Path, dtype: str) -> None:
     values = np.add.outer(np.arange(3000), np.arange(3000) / 7 % 1000).astype(dtype)

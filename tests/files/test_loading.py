@@ -430,6 +430,7 @@ class TestDegrees:
         np.testing.assert_allclose(metres_per_degree(45), (78_846.81, 111_131.75), atol=0.1)
         np.testing.assert_allclose(metres_per_degree(-60), (55_800.0, 111_412.24), atol=0.1)
 
+    @pytest.mark.slow
     def test_three_formats_agree(
         self, tmp_path: Path, route: str, caplog: pytest.LogCaptureFixture
     ) -> None:

@@ -66,6 +66,7 @@ def test_large_coordinates_lose_nothing(obj):
     assert mesh.origin.tolist() == [500000, 4000001, 0]
 
 
+@pytest.mark.slow
 def test_a_volume_gives_its_surface(tmp_path, caplog):
     grid = pyvista.ImageData(dimensions=(4, 4, 4))
     grid.save(tmp_path / "box.vti")
@@ -75,6 +76,7 @@ def test_a_volume_gives_its_surface(tmp_path, caplog):
     assert "taking the surface of ImageData" in caplog.text
 
 
+@pytest.mark.slow
 def test_polygons_and_strips_of_vtk(tmp_path, caplog):
     # a bay, whose middle corner lies within, and a strip of two triangles; a line beside them
     points = [
@@ -179,6 +181,7 @@ def test_texture_coordinates_and_normals_that_some_corners_lack_are_left_out(obj
     assert "1 texture coordinates, as not every corner has them, 1 normals, as" in caplog.text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ending", [".off", ".msh", ".inp", ".mesh", ".vol", ".mdpa"])
 def test_formats_that_meshio_knows(tmp_path, ending):
     meshio = pytest.importorskip("meshio")
@@ -194,6 +197,7 @@ def test_formats_that_meshio_knows(tmp_path, ending):
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.slow
 def test_corners_out_of_range_in_a_format_of_meshio(tmp_path):
     pytest.importorskip("meshio")
     path = tmp_path / "outside.mesh"
@@ -205,6 +209,7 @@ def test_corners_out_of_range_in_a_format_of_meshio(tmp_path):
         load_mesh(path)
 
 
+@pytest.mark.slow
 def test_without_meshio_one_line_says_what_to_install(tmp_path, monkeypatch):
     # the reader's process finds a package of that name that cannot be imported
     (tmp_path / "meshio.py").write_text("raise ImportError")
@@ -214,6 +219,7 @@ def test_without_meshio_one_line_says_what_to_install(tmp_path, monkeypatch):
         load_mesh(tmp_path / "ring.msh")
 
 
+@pytest.mark.slow
 def test_a_reader_that_dies_is_an_error_in_one_line(tmp_path, monkeypatch):
     (tmp_path / "meshio.py").write_text("import os, signal\nos.kill(os.getpid(), signal.SIGSEGV)")
     (tmp_path / "ring.msh").write_text("?")
@@ -231,6 +237,7 @@ def test_a_reader_that_dies_is_an_error_in_one_line(tmp_path, monkeypatch):
 # texture coordinates
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ending", [".glb", ".obj", ".ply", ".vtp"])
 def test_texture_coordinates_come_back(tmp_path, ending):
     ring = torus()
@@ -259,6 +266,7 @@ def test_texture_coordinates_of_others(tmp_path, obj):
     assert b"TEXCOORD_0" in path.read_bytes()
 
 
+@pytest.mark.slow
 def test_files_that_are_not_there_or_unknown(tmp_path):
     with pytest.raises(FileError, match="expected a mesh file, got none at"):
         load_mesh(tmp_path / "missing.ply")
@@ -289,6 +297,7 @@ for length in (0, 3, 100, len(content) // 2, len(content) * 3 // 4):
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ending", FORMATS)
 def test_a_truncated_file_is_refused_in_one_line(tmp_path, ending):
     # in a child process: a crash would be a failure of this test alone

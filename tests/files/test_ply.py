@@ -43,6 +43,7 @@ def text_ply(faces):
 FACES = st.lists(st.lists(st.integers(0, 3), min_size=3, max_size=5), min_size=1, max_size=5)
 
 
+@pytest.mark.slow
 @settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(faces=FACES, form=st.sampled_from(["<", ">", "text"]), data=st.data())
 def test_a_ply_file_is_whole_or_refused_at_any_length(tmp_path, faces, form, data):

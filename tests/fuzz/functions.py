@@ -37,7 +37,7 @@ from terrain_lod.viewer.terrain_settings import TerrainSettings
 MADE_BY_US = (
     *("Achieved", "Continuity", "CrackReport", "Hits", "Pop", "Report", "ScreenError"),
     *("SweepReport", "TileAnalysis", "TileRecord", "TilesReport", "VerticalError", "Lod"),
-    *("PromiseLod", "EdgeFactor", "Polyline"),
+    *("PromiseLod", "EdgeFactor", "Polyline", "DeviceArray", "DeviceMesh"),
 )
 # for the package's own rooms, which hand on what is checked: kernels, events, records of arrays
 OF_ROOMS = (
@@ -250,6 +250,10 @@ class Bench:
         for name, value in (("height_range", (0.0, 1.0)), ("bounds", (0.0, 0.0, 9.0, 9.0)),
                             ("overview", 0), ("tile", (3, 1, 1))):  # fmt: skip
             yield Call("load", tl.load, {"path": folder / "ground.npy", name: value})
+        yield Call("Heightmap.from_xarray", tl.Heightmap.from_xarray, {
+            "array": ground.to_xarray(), "spacing": (2.0, 2.0), "nodata": 1.0,
+            "window": (0, 0, 8, 8)}, use=self._use_ground)  # fmt: skip
+        yield Call("Heightmap.to_xarray", lambda: ground.to_xarray().shape, {})
         yield Call("sample", lambda name: tl.sample(name), {"name": "topobathy"})
         yield Call("sample_names", tl.sample_names, {})
         yield Call("default_camera", tl.default_camera, {
@@ -269,10 +273,11 @@ class Bench:
             "camera": camera, "lod": tl.ScreenErrorLod(2.0), "edge_rule": "edge",
             "partitioning": "fractional_odd", "cull": True})  # fmt: skip
         yield Call("Terrain.mesh", self.terrain.mesh, {
-            "camera": camera, "steady": tl.Steady(), "heights": "sampled"})  # fmt: skip
-        yield Call("Heightmap.to_xarray", lambda: ground.to_xarray().shape, {})
-        yield Call("Heightmap.from_xarray", tl.Heightmap.from_xarray, {
-            "array": ground.to_xarray(), "spacing": (2.0, 2.0)}, use=self._use_ground)  # fmt: skip
+            "camera": camera, "steady": tl.Steady(), "heights": "ground"})  # fmt: skip
+        yield Call("Terrain.mesh_on_device", self.terrain.mesh_on_device, {
+            "camera": camera, "lod": tl.ScreenErrorLod(2.0), "edge_rule": "edge",
+            "partitioning": "fractional_odd", "heights": "ground", "cull": True,
+            "steady": tl.Steady()}, use=lambda mesh: mesh.vertices.shape)  # fmt: skip
         points, rays = np.float32([[1, -2], [3, -4]]), np.float32([[1, -2, 50], [3, -4, 50]])
         for name, asked in (
             ("Terrain", self.terrain),
@@ -307,6 +312,7 @@ class Bench:
         yield Call("StreamingTerrain.mesh", self.stream.mesh, {
             "camera": camera, "lod": tl.ScreenErrorLod(2.0), "cull": True, "wait": True
         })  # fmt: skip
+        yield Call("StreamingTerrain.ground_near", self.stream.ground_near, {"x": 1.0, "y": -2.0})
         yield Call("Steady", tl.Steady, {"hysteresis": 0.5})
 
     def _tiles(self) -> Iterator[Call]:

@@ -61,6 +61,7 @@ def test_the_sum_is_that_of_the_reference(make: str, steps: tuple[int, int]) -> 
     np.testing.assert_allclose(found.elevation, expected, rtol=0, atol=tolerance)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("steps", STEPS)
 @pytest.mark.parametrize("tile", [4, 15, 31])
 @pytest.mark.parametrize("make", GROUNDS)
@@ -119,6 +120,7 @@ def test_the_error_promised_is_that_of_the_sum(make: str) -> None:
     assert tl.vertical_error(mesh, stored).maximum <= mesh.achieved.metres
 
 
+@pytest.mark.slow
 def test_detail_alone_is_detail_that_is_meshed() -> None:
     flat = tl.Heightmap(np.zeros((20, 20)), spacing=4.0)
     bumps = tl.Heightmap(np.random.default_rng(2).normal(size=(16, 16)), spacing=1.0)

@@ -366,6 +366,7 @@ def test_surfaces_of_pyvista(surface, closed):
     assert (crack_report(mesh, closed=True).open_edges == 0) == closed
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=50)
 @given(st.data())
 def test_any_grid_of_patches_is_watertight_until_one_vertex_moves(data):

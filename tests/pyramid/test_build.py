@@ -53,6 +53,7 @@ def surface(level: int, store: Store) -> npt.NDArray[np.float64]:
     return found[: store.description.rows, : store.description.columns]
 
 
+@pytest.mark.slow
 def test_levels_are_every_second_sample_and_errors_hold(tmp_path: Path, source: Path) -> None:
     build(str(source), str(tmp_path / "a.tlod"))
     store, heights = Store.open(tmp_path / "a.tlod"), np.load(source)
@@ -91,6 +92,7 @@ def test_levels_are_every_second_sample_and_errors_hold(tmp_path: Path, source: 
             assert store.chunk_nodes(level).errors[..., 1].max() == coarser
 
 
+@pytest.mark.slow
 def test_whoever_builds_it_the_bytes_are_the_same(tmp_path: Path, source: Path) -> None:
     build(str(source), str(tmp_path / "0.tlod"))
     expected = contents(tmp_path / "0.tlod")
@@ -226,6 +228,7 @@ def test_two_halves_meet_without_a_difference(tmp_path: Path) -> None:
             np.testing.assert_array_equal(one[:, -1], other[:, 0])
 
 
+@pytest.mark.slow
 def test_a_build_that_was_killed_at_once_goes_on(tmp_path: Path, source: Path) -> None:
     build(str(source), str(tmp_path / "0.tlod"))
     (tmp_path / "1.tlod").mkdir()

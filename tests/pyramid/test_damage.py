@@ -30,6 +30,7 @@ def test_a_sound_store_is_described(store: Path, capsys: pytest.CaptureFixture[s
     assert "every chunk is as it was written" in said
 
 
+@pytest.mark.slow
 def test_flipped_bytes(store: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = store / "heights/0/c/0/0/0/0"
     sound = file.read_bytes()
@@ -49,6 +50,7 @@ def test_flipped_bytes(store: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert "heights/0 chunk" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_truncated_and_missing(store: Path) -> None:
     for name in ("heights/0/c/0/0/0/0", "errors/1/c/0/0/0/0/0", "chunk_ranges/2/c/0/0/0"):
         file = store / name

@@ -67,6 +67,7 @@ def content(made):
     return json.loads(made.files["json"].read_text())
 
 
+@pytest.mark.slow
 def test_stages_and_storage_are_those_of_the_books_table(content):
     """Section 9.1.1: 8 x 8 patches take 81 vertices, 1,620 and 1,536 bytes."""
     quantities = content["trials"]["distance"]["quantities"]
@@ -125,6 +126,7 @@ def test_csv_and_json_hold_the_same_numbers(made, content):
             assert row[name] == ("" if value is None else repr(value))
 
 
+@pytest.mark.slow
 def test_same_files_twice_save_for_times(ground, made, tmp_path):
     again = report(ground, tmp_path, camera=small_camera(ground))
     assert again.files.keys() == made.files.keys()
@@ -177,6 +179,7 @@ def test_page_is_whole_and_holds_everything(made):
     assert len(page.sources) == len(made.files) - 3  # pictures and maps
 
 
+@pytest.mark.slow
 def test_maps_are_drawn_without_graphics_and_say_so(ground, tmp_path, monkeypatch):
     for name in ("reports.report", "reports.pictures"):
         module = import_module(f"terrain_lod.{name}")
@@ -260,6 +263,7 @@ def test_verdict_follows_the_numbers(made):
     assert "fewer triangles than distance LOD" in verdict(comparison, None)[0]
 
 
+@pytest.mark.slow
 def test_nothing_in_view_is_said(ground, tmp_path):
     camera = small_camera(ground)
     away = replace(camera, target=tuple(np.add(camera.eye, (0.0, -1.0, 0.5))))
@@ -271,6 +275,7 @@ def test_nothing_in_view_is_said(ground, tmp_path):
     assert content["trials"]["distance"]["quantities"]["error_rms"] is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "heights",
     [np.zeros((2, 2)), np.zeros((40, 17)), np.where(np.eye(50), np.nan, 3.0)],
@@ -308,6 +313,7 @@ def test_device_bytes_are_what_the_device_holds(masked):
     assert device.allocated - before == device_bytes(terrain, mesh)["terrain"]
 
 
+@pytest.mark.slow
 def test_progress_rises_to_the_end(ground, tmp_path):
     seen = []
     report(ground, tmp_path, camera=small_camera(ground), progress=lambda *step: seen.append(step))

@@ -25,6 +25,7 @@ def few(monkeypatch: pytest.MonkeyPatch) -> dict[str, Check]:
     return checks
 
 
+@pytest.mark.slow
 def test_report(tmp_path: Path, few: dict[str, Check]) -> None:
     steps: list[tuple[int, int]] = []
     made = write_stability(tmp_path, progress=lambda done, total: steps.append((done, total)))

@@ -58,6 +58,7 @@ def test_metres_are_kept_at_every_sample(
     np.testing.assert_allclose((high - low)[:2], ground.extent)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pixels", [3.0, 0.5])
 def test_pixels_are_kept_where_levels_meet(
     terrain: tl.StreamingTerrain, ground: tl.Heightmap, pixels: float
@@ -75,6 +76,7 @@ def test_pixels_are_kept_where_levels_meet(
     assert len(sizes) >= 3
 
 
+@pytest.mark.slow
 def test_it_costs_little_more_than_in_memory(
     terrain: tl.StreamingTerrain, ground: tl.Heightmap
 ) -> None:
@@ -83,6 +85,7 @@ def test_it_costs_little_more_than_in_memory(
     assert len(terrain.mesh(lod=lod).triangles) < 1.5 * len(whole.triangles)
 
 
+@pytest.mark.slow
 def test_holes_stay_holes(tmp_path: Path) -> None:
     ground = tl.Heightmap(heights(holes=True), spacing=30.0)
     tl.build(heights(holes=True), tmp_path / "a.tlod", chunk=CHUNK, spacing=30.0)
@@ -96,6 +99,7 @@ def test_holes_stay_holes(tmp_path: Path) -> None:
     assert np.isnan(terrain.height_at([[x, y]])).all()
 
 
+@pytest.mark.slow
 def test_memory_is_never_passed(store: Path) -> None:
     with pytest.raises(tl.InputError, match=r"expected memory of at least 0\.209 MB"):
         tl.open(store, memory="0.1MB")

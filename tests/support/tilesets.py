@@ -204,3 +204,9 @@ def measured(tile: Decoded, samples: np.ndarray) -> tuple[float, int]:
     weights = np.linalg.solve(matrix.transpose(0, 2, 1), place[:, :, None])[:, :, 0]
     linear = (weights * corners[:, :, 2]).sum(axis=1)
     return float(max(abs(drawn - height).max(), abs(linear - height).max())), len(lon)
+
+
+def contents(folder: Path) -> dict[Path, bytes]:
+    """Return all files of a folder of tiles but its journal, which is in the order of the work."""
+    return {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*.*")
+            if path.name != "tiles.jsonl"}  # fmt: skip

@@ -8,7 +8,7 @@ import pytest
 import terrain_lod as tl
 from support.cameras import cameras_over
 from support.grounds import holed, plane, rough
-from terrain_lod.terrain.fitted import fit_heights
+from terrain_lod.terrain.floating import fit_heights
 from terrain_lod.tessellation.tessellator import tessellate_device
 
 

@@ -60,6 +60,7 @@ def test_on_samples_both_are_the_samples(place: str) -> None:
     np.testing.assert_allclose(found, whole.elevation.ravel(), atol=1e-2)
 
 
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None)
 @given(
     seed=st.integers(0, 10_000),

@@ -140,6 +140,7 @@ def test_a_wrong_update_is_one_clear_line_and_changes_nothing(
         np.testing.assert_array_equal(values, before[name])
 
 
+@pytest.mark.slow
 def test_an_update_that_the_device_has_no_room_for_changes_nothing() -> None:
     device = tl.Device(tl.Device.open().queue.device)  # one of the test's own, to be filled
     terrain = tl.Terrain(rough(130, 110), tile=15, device=device)

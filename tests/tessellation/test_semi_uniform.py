@@ -165,6 +165,7 @@ def test_either_snap_covers_the_domain_once_and_folds_nothing(snap, levels):
         np.testing.assert_allclose(np.bincount(patch, area), whole)
 
 
+@pytest.mark.slow
 @SNAPPED
 def test_no_combination_of_quads_cracks_beside_neighbours_of_any_level(snap):
     beside = [(-1, 0, 2), (0, -1, 3), (1, 0, 0), (0, 1, 1)]

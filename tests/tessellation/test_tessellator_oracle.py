@@ -51,6 +51,7 @@ def test_table(domain, partitioning):
     assert len(np.unique(pattern.primitives)) == len(pattern.points)
 
 
+@pytest.mark.slow
 @every_partitioning
 @every_domain
 def test_live_oracle(domain, partitioning):
@@ -63,6 +64,7 @@ def test_live_oracle(domain, partitioning):
     np.testing.assert_array_equal(canonical(made, patches), expected)
 
 
+@pytest.mark.slow
 @every_partitioning
 @every_domain
 def test_golden_answers_of_the_oracle(domain, partitioning):

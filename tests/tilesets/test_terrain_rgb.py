@@ -22,6 +22,7 @@ def ground():
     return jacksboro()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("encoding", DECODE)
 def test_pictures_are_as_far_from_samples_as_they_say(encoding, ground, tmp_path):
     report = tl.write_tiles(ground, tmp_path, format=encoding)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -45,6 +46,7 @@ def border(places, triangles, axis, line):
 inner = st.sets(st.integers(1, SIZE - 1), max_size=20)
 
 
+@pytest.mark.slow
 @given(cells=st.sampled_from([1, 2, 4, 8, 16]), sides=st.tuples(inner, inner, inner, inner))
 def test_borders_become_what_is_asked_for(cells, sides):
     outline = Outline(*grid(cells), SIZE)
@@ -81,6 +83,7 @@ def test_points_on_the_border_and_on_vertices_are_hopeless():
     assert cut.put.tolist() == [2]
 
 
+@pytest.mark.slow
 @given(points=st.lists(st.tuples(st.integers(1, SIZE - 1), st.integers(1, SIZE - 1)), max_size=30))
 def test_meshes_stay_whole_whatever_is_put_in(points):
     places, triangles = grid(4)

@@ -76,6 +76,7 @@ def in_stated_errors(tiles, samples):
     return ratios
 
 
+@pytest.mark.slow
 def test_no_sample_is_farther_from_a_tile_than_the_tile_says(globe, ground):
     report, tiles = globe
     ratios = in_stated_errors(tiles, degrees(ground))
@@ -154,6 +155,7 @@ def test_a_client_is_told_of_every_tile(globe):
     assert root.metadata["available"] == layer["available"][1:]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("borders", ["skirts", "frozen"])
 def test_tiles_with_errors_measured_meet_between_levels(ground, tmp_path, borders):
     report, tiles = boxes(ground, tmp_path, borders=borders)
@@ -196,6 +198,7 @@ def _profile(tile, axis, line):
     return along[np.argsort(along[:, 0])]
 
 
+@pytest.mark.slow
 def test_walls_are_as_high_as_both_errors(ground, tmp_path):
     report, tiles = boxes(ground, tmp_path)
     for (z, _, _), tile in tiles.items():
@@ -215,6 +218,7 @@ def _tops(tile, below):
     return np.array(tops)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("borders", ["none", "frozen"])
 def test_boxes_of_a_level_share_their_borders_to_the_bit(ground, tmp_path, borders):
     report, tiles = boxes(ground, tmp_path, borders=borders)
@@ -234,6 +238,7 @@ def test_boxes_of_a_level_share_their_borders_to_the_bit(ground, tmp_path, borde
     assert compared > 100
 
 
+@pytest.mark.slow
 def test_holes_stay_holes_in_boxes(tmp_path):
     mask = np.zeros((90, 110), bool)
     mask[30:60, 40:90] = True
@@ -252,6 +257,7 @@ def test_holes_stay_holes_in_boxes(tmp_path):
     assert len(report.records) == len(tiles)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("units", [("metre", "metre"), ("metre", "foot")])
 def test_maps_that_stand_askew_and_heights_in_feet(units, tmp_path):
     ridge = tl.sample("ridge").elevation[:100, :120]

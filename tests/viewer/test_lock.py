@@ -79,6 +79,7 @@ async def status(page, path, **headers):
 PATHS = ("/", "/index.html", "/vue.global.js", "/none", "/ws")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", PATHS)
 def test_nobody_gets_in_without_the_token_or_from_elsewhere(page, path):
     with_token = f"{path}?token={page.token}"
@@ -200,6 +201,7 @@ def memory(page):
     return 1024 * next(int(line.split()[1]) for line in lines if line.startswith("VmHWM"))
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="no /proc: memory is not read")
 def test_garbage_and_aborted_clients_leave_the_server_serving(page):
     before = memory(page)
@@ -251,6 +253,7 @@ def test_garbage_and_aborted_clients_leave_the_server_serving(page):
     assert memory(page) < before + 2**28
 
 
+@pytest.mark.slow
 def test_other_machines_need_the_token_and_are_said_to_reach_the_page():
     with served("volcano", "--host", "0.0.0.0") as page:
         said = page.said.read_text()
@@ -268,6 +271,7 @@ def test_other_machines_need_the_token_and_are_said_to_reach_the_page():
         asyncio.run(attempts())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("host", "loopback"),
     [

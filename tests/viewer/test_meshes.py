@@ -137,6 +137,7 @@ def test_a_mesh_whose_y_points_up_is_turned():
 # what is picked
 
 
+@pytest.mark.slow
 def test_what_a_pixel_shows_is_what_a_ray_meets(ring):
     frame = ring.frame(a_request(ring))
     camera = frame.request.camera
@@ -159,6 +160,7 @@ def test_what_a_pixel_shows_is_what_a_ray_meets(ring):
     assert 30 < found < 270
 
 
+@pytest.mark.slow
 def test_a_pick_tells_patch_factors_and_normal(ring):
     frame = ring.frame(a_request(ring, lod="distance"))
     pixels = product(range(0, SIZE[0], 8), range(0, SIZE[1], 8))
@@ -191,6 +193,7 @@ def picture(controls):
     return window.picture().astype(int)
 
 
+@pytest.mark.slow
 @drawn
 def test_every_mode_shows_something_of_its_own(controls):
     pictures = []
@@ -204,6 +207,7 @@ def test_every_mode_shows_something_of_its_own(controls):
     assert controls.window.settings.mode == MODES[-1]
 
 
+@pytest.mark.slow
 @drawn
 def test_the_factor_slider_changes_the_triangles(controls):
     window = controls.window
@@ -217,6 +221,7 @@ def test_the_factor_slider_changes_the_triangles(controls):
     assert counts[0] in (patches, 2 * patches)
 
 
+@pytest.mark.slow
 @drawn
 def test_frozen_detail_a_click_and_a_look_from_below(controls):
     window = controls.window
@@ -236,6 +241,7 @@ def test_frozen_detail_a_click_and_a_look_from_below(controls):
     assert any(note.startswith("patch ") for note in notes)
 
 
+@pytest.mark.slow
 @drawn
 def test_any_events_in_any_order(controls):
     rng = np.random.default_rng(11)
@@ -265,6 +271,7 @@ def test_what_cannot_be_looked_at(what, message):
         scene_of(what)
 
 
+@pytest.mark.slow
 @drawn
 def test_command_opens_meshes_and_patches(capsys, tmp_path):
     path, made = tmp_path / "view.png", tmp_path / "cube.ply"
@@ -297,6 +304,7 @@ def test_what_is_no_matter_of_meshes_is_one_line(capsys, tmp_path, options, mess
     assert error.count("\n") == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["none.ply", "none.bpt", "cut.ply", "cut.bpt", "what.xyz"])
 def test_files_that_are_no_meshes_are_one_line(capsys, tmp_path, name):
     if name.startswith("cut"):

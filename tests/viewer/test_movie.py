@@ -67,6 +67,7 @@ def test_gif_holds_every_picture_and_goes_to_the_disk_as_they_come(tmp_path):
     assert (tmp_path / "still.gif").stat().st_size < 2 * (tmp_path / "fly.gif").stat().st_size
 
 
+@pytest.mark.slow
 def test_a_long_recording_is_not_kept_in_memory(tmp_path):
     rng = np.random.default_rng(3)
     movie = Movie(tmp_path / "fly.gif")

@@ -214,6 +214,7 @@ def test_a_pick_tells_tile_factors_plane_and_height(scene):
     assert frame.at(x, y).tile == tuple(extent - 1 for extent in frame.mesh.patches.shape)
 
 
+@pytest.mark.slow
 def test_holes_and_empty_views_are_frames_too():
     scene = TerrainScene(holed(61, 61))
     settings, camera = scene.settings, a_camera(scene.ground)
@@ -339,6 +340,7 @@ def test_no_display_names_the_ways_without_one(monkeypatch, display):
         require_display()
 
 
+@pytest.mark.slow
 def test_a_broken_driver_is_one_line():
     child = subprocess.run(
         [sys.executable, "-m", "terrain_lod", "view", "volcano", "--off-screen"],

@@ -78,6 +78,7 @@ def test_the_ground_is_where_its_camera_projects_it(window):
     assert np.median(away) < 12
 
 
+@pytest.mark.slow
 def test_every_mode_shows_something_of_its_own(window):
     pictures = {}
     for mode in MODES:
@@ -98,6 +99,7 @@ def test_every_mode_shows_something_of_its_own(window):
     assert (wire.min(axis=-1) < 120).any()
 
 
+@pytest.mark.slow
 def test_frozen_detail_stays_and_its_frustum_is_drawn(controls):
     window = controls.window
     count = len(window.frame.mesh.triangles)
@@ -136,6 +138,7 @@ def test_the_last_good_mesh_stays_when_the_next_cannot_be_made(window):
 # mouse, keys, sliders
 
 
+@pytest.mark.slow
 def test_drag_orbits_wheel_zooms_and_shift_pans(controls):
     window = controls.window
     before = window.rig
@@ -155,6 +158,7 @@ def test_drag_orbits_wheel_zooms_and_shift_pans(controls):
     assert window.rig.distance < before.distance
 
 
+@pytest.mark.slow
 def test_flying_looks_around_and_moves_along_the_view(controls):
     window = controls.window
     press(controls, "g")
@@ -173,6 +177,7 @@ def test_flying_looks_around_and_moves_along_the_view(controls):
     assert window.note == "the camera stays above the ground and near it"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("key", "name"),
     [("m", "mode"), ("l", "lod"), ("p", "partitioning"), ("e", "edge_rule")],
@@ -195,6 +200,7 @@ def test_numbers_choose_modes_and_vtk_does_not_hear_them(controls):
     assert window.stage.surface.prop.style == "Surface"
 
 
+@pytest.mark.slow
 def test_a_click_tells_what_is_there(controls):
     window = controls.window
     window.picture()
@@ -212,6 +218,7 @@ def test_a_click_tells_what_is_there(controls):
     assert window.note == "nothing there"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "value"), [("pixels", 24.0), ("lod", "uniform"), ("tile", 8), ("mode", "lod")]
 )
@@ -230,6 +237,7 @@ def test_a_pick_tells_of_the_mesh_that_is_shown(controls, name, value):
     assert mark == pytest.approx(known.point, abs=1e-2)
 
 
+@pytest.mark.slow
 def test_a_pick_does_not_come_back_over_another_note(controls):
     window = controls.window
     drag(controls, (160, 60), (160, 60))
@@ -239,6 +247,7 @@ def test_a_pick_does_not_come_back_over_another_note(controls):
     assert window.note == "wrote it"
 
 
+@pytest.mark.slow
 def test_every_text_and_slider_belongs_to_the_mesh_that_is_shown(controls):
     window = controls.window
     for lod in LODS:
@@ -268,6 +277,7 @@ def test_sliders_change_settings_and_follow_them(controls):
     assert shape.GetTitleText() == "pixels: 2"
 
 
+@pytest.mark.slow
 def test_only_the_sliders_of_the_level_of_detail_are_there(controls):
     for lod in LODS:
         controls.window.change("lod", lod)
@@ -279,6 +289,7 @@ def test_only_the_sliders_of_the_level_of_detail_are_there(controls):
     assert not any(widget.GetEnabled() for widget in controls.widgets.values())
 
 
+@pytest.mark.slow
 def test_windows_of_any_size_even_none(controls):
     window = controls.window
     for size in ((1, 1), (301, 77), (77, 301)):
@@ -300,6 +311,7 @@ def test_windows_of_any_size_even_none(controls):
 # files
 
 
+@pytest.mark.slow
 def test_picture_and_recording(controls, tmp_path):
     window = controls.window
     press(controls, "c")
@@ -319,12 +331,14 @@ def test_picture_and_recording(controls, tmp_path):
         assert movie.size == SIZE
 
 
+@pytest.mark.slow
 def test_a_picture_that_cannot_be_written_is_a_note(controls):
     controls._pictures = Path("/nonexistent")
     press(controls, "c")
     assert "expected a folder" in controls.window.note
 
 
+@pytest.mark.slow
 def test_ground_is_read_again_and_a_lost_file_leaves_the_last_good_mesh(tmp_path):
     from terrain_lod import Heightmap
 
@@ -357,6 +371,7 @@ def test_ground_is_read_again_and_a_lost_file_leaves_the_last_good_mesh(tmp_path
         window.close()
 
 
+@pytest.mark.slow
 def test_a_recording_that_cannot_be_written_is_over(window, tmp_path):
     folder = tmp_path / "pictures"
     controls = Controls(window, pictures=folder)
@@ -388,6 +403,7 @@ def test_a_recording_that_cannot_be_written_is_over(window, tmp_path):
         assert movie.n_frames == 3
 
 
+@pytest.mark.slow
 def test_off_screen_writes_a_picture_and_a_flight(model, tmp_path):
     lines = look(
         model,
@@ -402,6 +418,7 @@ def test_off_screen_writes_a_picture_and_a_flight(model, tmp_path):
         assert movie.n_frames == 3
 
 
+@pytest.mark.slow
 def test_from_python_without_a_display(tmp_path, monkeypatch):
     import terrain_lod as tl
 
@@ -417,6 +434,7 @@ def test_from_python_without_a_display(tmp_path, monkeypatch):
         tl.view(ground)
 
 
+@pytest.mark.slow
 def test_command_without_a_display(capsys, tmp_path, monkeypatch):
     monkeypatch.setattr("sys.platform", "linux")
     monkeypatch.delenv("DISPLAY", raising=False)
@@ -438,6 +456,7 @@ def test_vtk_is_tidied_up_on_its_own_thread(model):
     assert gc.isenabled()
 
 
+@pytest.mark.slow
 def test_the_collector_waits_for_the_last_of_two_windows(model):
     camera = default_camera(model.scene.ground, size=SIZE)
     first, second = (Window(model, camera, off_screen=True) for _ in range(2))
@@ -462,6 +481,7 @@ def test_a_window_that_does_not_open_leaves_the_collector_on(model):
     assert gc.isenabled()
 
 
+@pytest.mark.slow
 def test_a_light_panel_stands_under_the_sliders(controls):
     window = controls.window
     window.plotter.render_window.SetSize(900, 700)  # beside the read-out
@@ -479,6 +499,7 @@ def test_a_light_panel_stands_under_the_sliders(controls):
 # wear
 
 
+@pytest.mark.slow
 def test_any_events_in_any_order(controls):
     rng, event = np.random.default_rng(7), benchmark().event
     for number in range(60):

@@ -1,4 +1,4 @@
-"""Heights that float within the tolerance, in float64: what ``terrain/fitted.cl`` moves."""
+"""Heights that float within the tolerance, in float64: what ``terrain/floating.cl`` moves."""
 
 from __future__ import annotations
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from ..device.device import Device
 from ..device.layout import FIXED_ONE
-from ..reference.terrain import domain, fitted
-from ..terrain.fitted import fit_heights
+from ..reference.terrain import domain, floating
+from ..terrain.floating import fit_heights
 from ..tessellation.tessellator import tessellate_device
 from .check import Array, Bound, Check, Difference, ulp
 from .grounds import Ground, hard_grounds, plain_grounds
@@ -47,10 +47,10 @@ def _fit(case: Ground, device: Device) -> Iterator[Difference]:
     patch = np.repeat(np.arange(grid.count), np.diff(pattern.point_offsets.host()))
     columns, rows = domain.global_coordinates(grid, points, patch)
     ground = domain.displace(case.sum, grid, points, patch)[0][:, 2]
-    vertices = fitted.welded(columns, rows)
+    vertices = floating.welded(columns, rows)
     finest = np.full(vertices.max() + 1, np.inf)
     np.minimum.at(finest, vertices, allowed[patch].astype(np.float64))
-    samples = fitted.samples_of(
+    samples = floating.samples_of(
         case.sum.heights.astype(np.float64),
         case.sum.valid,
         np.stack([columns, rows], axis=1) / FIXED_ONE,
@@ -68,12 +68,12 @@ def _fit(case: Ground, device: Device) -> Iterator[Difference]:
 
     one = found(1)
     yield _SHARED.met_by(one, one[first][vertices])
-    expected = fitted.fitted(samples, ground[first], finest, 1)
+    expected = floating.fitted(samples, ground[first], finest, 1)
     yield _STEP.met_by(one[first] + ground[first], expected, 1e-2 * finest + rounding)
     several = found(_PASSES)[first] + ground[first]
     energy, least = (
-        float(((fitted.excesses(samples, heights) / samples.room) ** 2).sum())
-        for heights in (several, fitted.fitted(samples, ground[first], finest, _PASSES))
+        float(((floating.excesses(samples, heights) / samples.room) ** 2).sum())
+        for heights in (several, floating.fitted(samples, ground[first], finest, _PASSES))
     )
     yield _FITTED.met_by(energy, least, 0.02 * least + 1e-2 * grid.count)
 
@@ -84,4 +84,4 @@ def _hard() -> dict[str, Ground]:
     return {name: case for name, case in hard_grounds().items() if name not in left_out}
 
 
-FITTED: Final = Check(_fit, plain_grounds, _hard)
+FLOATING: Final = Check(_fit, plain_grounds, _hard)
