@@ -125,10 +125,18 @@ def instance(what: str, value: object, kind: type[_Some] | UnionType) -> _Some:
 
 def list_of(name: str, value: object, kind: type[_Some]) -> list[_Some]:
     """Return `value` as a list of one class."""
-    items = _items(value)
-    if items is None:
+    each = _items(value)
+    if each is None:
         raise InputError(f"expected {name} as a list of {kind.__name__}, got {told(value)}")
-    return [instance(f"a {kind.__name__} for each of {name}", each, kind) for each in items]
+    return [instance(f"a {kind.__name__} for each of {name}", one, kind) for one in each]
+
+
+def items(name: str, value: object) -> list[Any]:
+    """Return `value` as a list of whatever is in it."""
+    each = _items(value)
+    if each is None:
+        raise InputError(f"expected {name} as a list, got {told(value)}")
+    return each
 
 
 def _items(value: object) -> list[Any] | None:

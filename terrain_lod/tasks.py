@@ -16,10 +16,13 @@ from concurrent.futures import BrokenExecutor, CancelledError, Future, ProcessPo
 from queue import SimpleQueue
 from typing import Any, Final, Protocol, TypeVar
 
+from .arguments import told, whole
 from .errors import InputError, WorkerError
 
 # a task whose worker died so often is what kills them
 _ATTEMPTS: Final = 3
+# processes on one machine: more is a slip
+_MOST: Final = 1024
 # tasks handed out beyond those that are worked on, so that no worker waits for its next one
 _WAITING: Final = 2
 
@@ -46,10 +49,11 @@ def require_workers(workers: Workers) -> None:
     if isinstance(workers, int) and not isinstance(workers, bool):
         if workers < 1:
             raise InputError(f"expected at least 1 worker, got {workers}")
+        whole("workers", workers, 1, _MOST)
     elif workers is not None and not callable(getattr(workers, "submit", None)):
         raise InputError(
             "expected a number of workers, an executor or a client of dask for workers, "
-            f"got {workers!r}"
+            f"got {told(workers)}"
         )
 
 

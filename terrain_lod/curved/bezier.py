@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from ..arguments import array
+from ..arguments import array, flag, parts
 from ..camera.camera import Camera
 from ..device.device import Device
 from ..errors import InputError
@@ -158,15 +158,15 @@ def b_spline(
     Farin: *Curves and Surfaces for CAGD*, section 8 (Boehm's knot insertion). From four points
     a, b, c, d, with thirds of the way between them, a piece is (a b' + b'' b) / 2 and so on.
     """
-    net = np.asarray(points, np.float64)
+    net = array("control points", points, ("M", "N", 3))
+    closed_u, closed_v = parts("closed", closed, "along u", "along v")
+    closed = flag("closed along u", closed_u), flag("closed along v", closed_v)
     least = [3 if each else 4 for each in closed]
-    if net.ndim != 3 or net.shape[2] != 3 or net.shape[0] < least[0] or net.shape[1] < least[1]:
+    if net.shape[0] < least[0] or net.shape[1] < least[1]:
         raise InputError(
             f"expected control points ({least[0]} or more, {least[1]} or more, 3), got shape "
             f"{net.shape}"
         )
-    if not np.isfinite(net).all():
-        raise InputError("expected finite control points, got others")
     for axis in (0, 1):
         net = np.moveaxis(_pieces(np.moveaxis(net, axis, 0), closed[axis]), 0, axis)
     across, down = ((extent - 1) // 3 for extent in net.shape[:2])

@@ -7,12 +7,13 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from ..arguments import one_of, positive
+from ..arguments import array, one_of, positive
 from ..device.device import Device
 from ..device.layout import PARTITIONINGS
 from ..errors import InputError
 from ..tessellation.tessellator import tessellate_device
 from .curves import Polyline
+from .patch_factors import MAX_FACTOR
 
 _HIGHEST: Final = 32
 
@@ -56,8 +57,8 @@ def bezier_curve(
     """
     pieces = as_pieces(points)
     one_of("partitioning", partitioning, PARTITIONINGS)
-    factor, (count, order) = positive("factor", factor), pieces.shape[:2]
-    device = device or Device.open()
+    factor, (count, order) = min(positive("factor", factor), MAX_FACTOR), pieces.shape[:2]
+    device = Device.of(device)
     controls = np.zeros((count, order, 4), np.float32)
     controls[..., :3] = pieces
     factors = np.tile(np.array([1.0, factor], np.float32), (count, 1))
@@ -88,7 +89,7 @@ def bezier_curve(
 
 def as_pieces(points: npt.ArrayLike) -> npt.NDArray[np.float64]:
     """Return control points as (K, N + 1, 3), or say what does not fit."""
-    given = np.asarray(points, np.float64)
+    given = array("control points", points, (...,))
     pieces = given[None] if given.ndim == 2 else given
     if pieces.ndim != 3 or pieces.shape[2] != 3 or not 2 <= pieces.shape[1] <= _HIGHEST + 1:
         raise InputError(

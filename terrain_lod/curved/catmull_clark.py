@@ -265,6 +265,6 @@ def catmull_clark(
         patches.along_u[:, [0, 2, 2, 0], [0, 0, 3, 3]],
         patches.along_v[:, [0, 3, 3, 0], [0, 0, 2, 2]],
     )
-    device = device or Device.open()
+    device = Device.of(device)
     factors = quad_factors(nets, np.cross(u, v), factor, lod, camera, device)
     return bezier_mesh(nets, factors, partitioning, device, fields)

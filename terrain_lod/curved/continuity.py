@@ -16,6 +16,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from ..arguments import flag
 from ..files.meshes.bpt import as_nets
 from .bezier_curves import as_pieces
 
@@ -74,7 +75,7 @@ def curve_continuity(points: npt.ArrayLike, *, closed: bool = False) -> Continui
         If the control points are not such.
     """
     pieces = as_pieces(points)
-    first = np.arange(len(pieces) - (not closed))
+    first = np.arange(len(pieces) - (not flag("closed", closed)))
     joined = np.stack([first, (first + 1) % len(pieces)], axis=1)
     before = _end(pieces[joined[:, 0], ::-1])
     after = _end(pieces[joined[:, 1]])

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ..arguments import array, items
 from ..errors import InputError
-from ..files.meshes.readers import read
+from ..files.meshes.readers import mesh_file, read
 
 Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
@@ -47,10 +48,9 @@ class ControlMesh:
         faces: Iterable[Iterable[int]],
         creases: npt.ArrayLike = (),
     ) -> None:
-        vertices = np.asarray(vertices, np.float64)
-        if vertices.ndim != 2 or vertices.shape[1] != 3 or not np.isfinite(vertices).all():
-            raise InputError(f"expected finite vertices (V, 3), got shape {vertices.shape}")
-        corners = tuple(tuple(int(corner) for corner in face) for face in faces)
+        vertices = array("vertices", vertices, ("V", 3))
+        corners = tuple(tuple(array("corners of a face", face, ("N",), np.int64).tolist())
+                        for face in items("faces", faces))  # fmt: skip
         for number, face in enumerate(corners):
             if len(face) < 3 or len(set(face)) < len(face):
                 raise InputError(f"expected three or more different corners, got {face} as face "
@@ -58,7 +58,9 @@ class ControlMesh:
             if not 0 <= min(face) <= max(face) < len(vertices):
                 raise InputError(f"expected corners below {len(vertices)}, got {face} as face "
                                  f"{number}")  # fmt: skip
-        creases = np.asarray(creases, np.int64).reshape(-1, 2)
+        creases = array("creases", creases, ("C", ...), np.int64)
+        creases = array("creases", creases if creases.size else creases.reshape(0, 2), ("C", 2),
+                        np.int64)  # fmt: skip
         known = {(a, b) for face in corners for a, b in _sides(face)}
         for a, b in creases.tolist():
             if (a, b) not in known and (b, a) not in known:
@@ -77,7 +79,7 @@ class ControlMesh:
         InputError
             As above.
         """
-        raw = read(Path(path))
+        raw = read(mesh_file(path))
         # a vertex for each position, whatever normals and texture coordinates it has
         points, place = np.unique(raw.points.astype(np.float64), axis=0, return_inverse=True)
         faces = np.split(place.ravel()[raw.corners], np.cumsum(raw.sizes)[:-1])

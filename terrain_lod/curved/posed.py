@@ -7,10 +7,9 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from ..arguments import one_of
+from ..arguments import array, one_of
 from ..device import layout
 from ..device.device import Device
-from ..errors import InputError
 from ..mesh.mesh import Mesh
 from ..tessellation.tessellator import tessellate_device
 from .curved_mesh import CurvedMesh
@@ -58,9 +57,10 @@ class PosedMesh:
     ) -> None:
         require_curvable(mesh)
         one_of("partitioning", partitioning, layout.PARTITIONINGS)
+        device = Device.of(device)
         lod, view = UniformFactor(checked_factor("factor", factor)), np.zeros((), layout.VIEW)
-        with (device or Device.open()).timed() as timeline:
-            self._base = PatchedMesh.upload(mesh, device or Device.open())
+        with device.timed() as timeline:
+            self._base = PatchedMesh.upload(mesh, device)
             patches, nets = self._base.patches, self._base.nets
             of_edges = edge_factors_on_device(patches, lod, diagonal_of(mesh), view)
             factors = patch_factors_on_device(
@@ -116,10 +116,4 @@ class PosedMesh:
 
     def _checked(self, name: str, values: npt.ArrayLike) -> npt.NDArray[np.float32]:
         shape = (len(self._first), 3)
-        with np.errstate(over="ignore"):
-            array = np.asarray(values, np.float32)
-        if array.shape != shape:
-            raise InputError(f"expected {name} {shape}, as the mesh has, got shape {array.shape}")
-        if not np.isfinite(array).all():
-            raise InputError(f"expected finite {name}, got {array[~np.isfinite(array)][0]}")
-        return array
+        return array(name, values, shape, np.float32)

@@ -10,7 +10,7 @@ from ..camera.camera import Camera
 from ..device.device import Device
 from ..mesh.mesh import Mesh
 from .adjacency import Adjacency
-from .patch_factors import EdgeFactor
+from .patch_factors import MAX_FACTOR, EdgeFactor
 from .patched_mesh import unit_normals
 from .pn import DevicePatchMesh, edge_factors_on_device
 from .smooth import diagonal_of, view_for
@@ -54,7 +54,7 @@ def quad_factors(
     mesh = Mesh(corners, unit_normals(normals.reshape(-1, 3).astype(np.float32)), halves)
     view = view_for(mesh, factor, lod, camera)
     if lod is None or not len(nets):
-        alike = positive("factor", 5.0 if factor is None else factor)
+        alike = min(positive("factor", 5.0 if factor is None else factor), MAX_FACTOR)
         edges, insides = (np.full((len(nets), width), alike, np.float32) for width in (4, 2))
         return edges, insides
     adjacency = Adjacency.of(mesh)

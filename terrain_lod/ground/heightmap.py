@@ -223,7 +223,7 @@ class Heightmap:
     def with_crs(self, crs: str) -> Heightmap:
         """Return this ground with another name for where its x and y are."""
         new = copy(self)
-        new._set("crs", crs)
+        new._set("crs", text("crs", crs))
         return new
 
     def steps_of(self, detail: Heightmap) -> tuple[int, int]:

@@ -11,7 +11,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from ..arguments import finite
+from ..arguments import file_path, finite, told, whole
 from ..errors import FileError, InputError
 from ..sources.folder import Folder
 from ..sources.opening import source_of
@@ -99,9 +99,12 @@ def build(
         ground, spacing=spacing, height_range=height_range, nodata=nodata, band=band,
         z_unit=z_unit, z_scale=z_scale,
     )  # fmt: skip
-    path = Path(path)
+    path = file_path("path", path)
+    chunk = whole("chunk", chunk, 16, 4096)
     division = Division(*source.shape, chunk)
     log.info("%s: %s", path, memory_line(division))
+    if not path.name:
+        raise InputError(f"expected the name of a store for path, got {told(str(path))}")
     if not path.parent.is_dir():
         raise FileError(f"expected a folder to make {path.name} in, got none at {path.parent}")
     with locked(path.with_name(f"{path.name}.lock")):
@@ -210,7 +213,8 @@ def _build_region(source: Source, path: Path, description: Description, place: P
     if isinstance(source, RasterFile | Folder):
         _require_unchanged(source, description)
     if description.base:
-        heights -= description.base
+        with np.errstate(over="ignore"):
+            heights -= description.base
     with np.errstate(over="ignore"):
         heights = heights.astype(np.float32, copy=False)
     if np.isinf(heights).any():

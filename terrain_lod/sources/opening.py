@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import os
-from pathlib import Path
 from typing import Any
 
+from ..arguments import file_path, told
 from ..errors import InputError
 from ..files.rasters.labelled import is_labelled
 from ..ground.heightmap import Heightmap
@@ -36,7 +36,7 @@ def source_of(ground: Any, **options: Any) -> Source:
             raise InputError("expected no options of reading with a Heightmap, which is read")
         return Ground(ground)
     if isinstance(ground, str | os.PathLike):
-        path = Path(ground)
+        path = file_path("ground", ground)
         return (Folder if path.is_dir() else RasterFile).of(path, **options)
     if is_labelled(ground) or all(
         hasattr(ground, name) for name in ("shape", "dtype", "__getitem__")
@@ -45,5 +45,5 @@ def source_of(ground: Any, **options: Any) -> Source:
             raise InputError("expected band= with a file, got it with an array")
         return Array.of(ground, **options)
     raise InputError(
-        f"expected a file, a folder of tiles, an array or a Heightmap, got {type(ground).__name__}"
+        f"expected a file, a folder of tiles, an array or a Heightmap, got {told(ground)}"
     )

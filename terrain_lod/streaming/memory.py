@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Final
 
-from ..arguments import finite
+from ..arguments import finite, told
 from ..errors import InputError
 from ..files.rasters.limits import free_memory
 
@@ -25,6 +25,6 @@ def bytes_of(memory: int | str | None) -> int:
             assert found is not None
             powers = {"": 0, "k": 1, "m": 2, "g": 3, "t": 4}
             return int(float(found[1]) * 1000 ** powers[found[2].lower()])
-        except (AssertionError, ValueError):
-            raise InputError(f'expected memory such as "512MB", got {memory!r}') from None
+        except (AssertionError, ValueError, OverflowError):
+            raise InputError(f'expected memory such as "512MB", got {told(memory)}') from None
     return int(finite("memory", memory))

@@ -11,12 +11,11 @@ import os
 import threading
 from dataclasses import replace
 from functools import cached_property
-from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
-from ..arguments import array
+from ..arguments import array, file_path, finite, flag, instance
 from ..camera.camera import Camera
 from ..device.device import Device
 from ..errors import InputError
@@ -60,7 +59,8 @@ def open(
     MissingExtraError
         If zarr is not installed.
     """
-    return StreamingTerrain(Store.open(Path(path)), memory=memory, device=device)
+    store = Store.open(file_path("path", path))
+    return StreamingTerrain(store, memory=memory, device=device)
 
 
 class StreamingTerrain:
@@ -86,7 +86,8 @@ class StreamingTerrain:
     def __init__(
         self, store: Store, *, memory: int | str | None = None, device: Device | None = None
     ) -> None:
-        self.device, self.memory = device or Device.open(), bytes_of(memory)
+        store = instance("a Store for store", store, Store)
+        self.device, self.memory = Device.of(device), bytes_of(memory)
         self._meshing = threading.Lock()
         self._hold(store)
 
@@ -183,10 +184,11 @@ class StreamingTerrain:
             If a chunk is missing or damaged; names it.
         """
         lod = ScreenErrorLod() if lod is None else lod
-        if not isinstance(lod, MaxErrorLod | ScreenErrorLod):
-            raise InputError(
-                f"expected MaxErrorLod or ScreenErrorLod of a pyramid, got {type(lod).__name__}"
-            )
+        kept = "MaxErrorLod or ScreenErrorLod of a pyramid"
+        lod = instance(kept, lod, MaxErrorLod | ScreenErrorLod)
+        if camera is not None:
+            instance("a Camera for camera", camera, Camera)
+        cull, wait = flag("cull", cull), flag("wait", wait)
         if camera is None and lod.needs_camera:
             raise InputError(f"{type(lod).__name__} needs a camera, got none")
         asked = Asked(camera, lod.metres, lod.pixels, cull and camera is not None)
@@ -250,7 +252,8 @@ class StreamingTerrain:
         x, y : float
             World units.
         """
-        cells = (np.array([[x, y]]) - [*self.store.description.origin]) / np.array(self.spacing)
+        point = [[finite("x", x), finite("y", y)]]
+        cells = (np.array(point) - [*self.store.description.origin]) / np.array(self.spacing)
         column, row = self._chunks.at(cells * [1, -1])[0].tolist()
         held = self._pages.here()
         found = next((held[place] for place in with_above((0, row, column)) if place in held), None)

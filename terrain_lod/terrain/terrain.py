@@ -293,8 +293,8 @@ class Terrain:
         one_of("partitioning", partitioning, layout.PARTITIONINGS)
         if promised and edge_rule is not None:
             raise InputError(
-                f"expected a formula with the edge rule {edge_rule!r}, got {promised}: promises go "
-                "by the edge's own error"
+                f"expected a formula with edge_rule=, got {promised}: promises go by the edge's "
+                "own error"
             )
         if steady and not (promised and promised.triangles is None and partitioning == "integer"):
             raise InputError(

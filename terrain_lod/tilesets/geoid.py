@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
+from ..arguments import told
 from ..errors import InputError, MissingExtraError
 from ..ground.heightmap import Heightmap
 from ..ground.place import Place
@@ -59,9 +60,11 @@ class Geoid:
                 "expected pyproj for a geoid, got none: pip install 'terrain_lod[tiles]'"
             ) from None
         grid = GRIDS.get(name, name)
-        if name not in GRIDS and not Path(name).is_file():
+        if name not in GRIDS and not os.path.isfile(name):
             names = ", ".join([ELLIPSOID, *GRIDS])
-            raise InputError(f"expected one of {names}, or a grid's file, for geoid, got {name!r}")
+            raise InputError(
+                f"expected one of {names}, or a grid's file, for geoid, got {told(name)}"
+            )
         try:
             shift = Transformer.from_pipeline(f'+proj=vgridshift +grids="{grid}" +multiplier=1')
         except ProjError:

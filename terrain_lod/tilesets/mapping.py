@@ -67,7 +67,11 @@ def mapped_ground(
                 if top == 0 and (geoid is not None or not source.is_exact):
                     base = float(np.round(part.mean()))
                 low, high = min(low, float(part.min())), max(high, float(part.max()))
-                (part - base).astype(np.float32).tofile(file)
+                with np.errstate(over="ignore"):
+                    stored = (part - base).astype(np.float32)
+                if np.isinf(stored).any():
+                    raise InputError("expected heights that float32 can hold, got some beyond")
+                stored.tofile(file)
     except OSError as error:
         if isinstance(error, FileError):
             raise

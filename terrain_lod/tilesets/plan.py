@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
-from ..arguments import one_of, positive, whole
+from ..arguments import flag, one_of, positive, whole
 from ..errors import InputError
 from ..ground.heightmap import Heightmap
 from .geoid import ELLIPSOID
@@ -98,7 +98,7 @@ def planned(
         chosen,
         levels,
         folder,
-        gzip,
+        flag("gzip", gzip),
         skirts=skirts,
         frozen=frozen,
         implicit=tiling != "explicit",

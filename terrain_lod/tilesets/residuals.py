@@ -22,6 +22,7 @@ Triangles = npt.NDArray[np.int32]
 
 # samples this close to a side, in samples, belong to the triangle
 _NEAR = 1e-6
+_NEAR_DEGREES = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,7 +145,9 @@ class Surface:
         height = int(samples.rows.max()) - top + 1
         width = int(samples.columns.max()) - left + 1
         rows, columns = source.pixels(self.longitude, self.latitude)
-        y, x = (rows - top)[self.triangles], (columns - left)[self.triangles]
+        near = self._near(samples)
+        y, x = ((places - first)[self.triangles[near]]
+                for places, first in ((rows, top), (columns, left)))  # fmt: skip
         first = np.clip(np.ceil(y.min(axis=1) - _NEAR), 0, height).astype(np.int64)
         stop = np.clip(np.floor(y.max(axis=1) + _NEAR) + 1, 0, height).astype(np.int64)
         counts = np.maximum(stop - first, 0)
@@ -168,8 +171,22 @@ class Surface:
         stop_x = np.clip(np.floor(high + _NEAR) + 1, 0, width).astype(np.int64)
         lengths = np.maximum(stop_x - begin_x, 0)
         owner = np.full(height * width, -1, np.int64)
-        owner[_runs(row * width + begin_x, lengths)] = np.repeat(triangle, lengths)
+        owner[_runs(row * width + begin_x, lengths)] = np.repeat(near[triangle], lengths)
         return np.asarray(owner[(samples.rows - top) * width + samples.columns - left])
+
+    def _near(self, samples: Samples) -> npt.NDArray[np.int64]:
+        """Return the triangles whose degrees meet those of the samples.
+
+        Others may come to lie on the raster, too: a zone's map is none of the whole Earth.
+        """
+        near = np.ones(len(self.triangles), np.bool_)
+        for corners, places in (
+            (self.longitude[self.triangles], samples.longitude),
+            (self.latitude[self.triangles], samples.latitude),
+        ):
+            near &= corners.min(axis=1) <= places.max() + _NEAR_DEGREES
+            near &= corners.max(axis=1) >= places.min() - _NEAR_DEGREES
+        return np.flatnonzero(near)
 
 
 def _runs(starts: npt.NDArray[np.int64], lengths: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:

@@ -13,11 +13,11 @@ from typing import Any, ClassVar, Final
 
 import numpy as np
 
-from ..arguments import one_of
+from ..arguments import file_path, one_of, text
 from ..errors import FileError
 from ..ground.heightmap import Heightmap
 from ..sources.opening import source_of
-from ..tasks import Progress, Workers, run_tasks
+from ..tasks import Progress, Workers, require_workers, run_tasks
 from .geoid import ELLIPSOID, Geoid, above_ellipsoid
 from .globe import write_globe_tile, write_layer
 from .job import Job
@@ -198,8 +198,9 @@ def write_tiles(
     """
     one_of("format", format, FORMATS)
     require_options(format, error, zoom, scheme, tiling, borders)
-    folder = Path(folder)
-    above = None if geoid == ELLIPSOID else Geoid.called(geoid)
+    require_workers(workers)
+    folder = file_path("folder", folder)
+    above = None if text("geoid", geoid) == ELLIPSOID else Geoid.called(geoid)
     with _prepared(ground, folder, crs, above) as prepared:
         job = planned(
             prepared,

@@ -155,7 +155,7 @@ def test_odd_control_meshes_give_finite_surfaces():
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: ControlMesh([(0, 0)], []), "finite vertices"),
+        (lambda: ControlMesh([(0, 0)], []), "vertices of shape"),
         (lambda: ControlMesh(np.zeros((4, 3)), [(0, 1)]), "three or more different corners"),
         (lambda: ControlMesh(np.zeros((4, 3)), [(0, 1, 1, 2)]), "three or more different corners"),
         (lambda: ControlMesh(np.zeros((3, 3)), [(0, 1, 3)]), "corners below 3"),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from codecs import BOM_UTF8
+
 import numpy as np
 import pytest
 
@@ -83,6 +85,88 @@ def sparse(shape: Solid) -> bytes:
     return document.glb()
 
 
+def sparse_alone(shape: Solid) -> bytes:
+    """Return a .glb whose positions have no view of their own: zero, and then replaced."""
+    document = Gltf()
+    points = y_up(shape.points).astype("<f4")
+    indices = document.view(np.arange(len(points), dtype="<u2").tobytes())
+    entries = {
+        "count": len(points),
+        "indices": {"bufferView": indices, "componentType": 5123},
+        "values": {"bufferView": document.view(points.tobytes())},
+    }
+    position = document.accessor(points, sparse=entries)
+    del document.document["accessors"][position]["bufferView"]
+    document.primitive(position, document.accessor(shape.triangles.ravel().astype("<u1")))
+    return document.glb()
+
+
+def strided(shape: Solid) -> bytes:
+    """Return a .glb of positions and normals by turns."""
+    document = Gltf()
+    points = y_up(shape.points).astype("<f4")
+    up = np.tile(np.float32([0, 1, 0]), (len(points), 1))
+    view = document.view(np.concatenate([points, up], axis=1).tobytes(), byteStride=24)
+    attributes = {
+        "POSITION": document.accessor(points, view),
+        "NORMAL": document.accessor(up, view, byteOffset=12),
+    }
+    indices = document.accessor(shape.triangles.ravel().astype("<u1"))
+    document.primitive(0, indices, attributes=attributes)
+    return document.glb()
+
+
+def other_modes(document: Gltf) -> None:
+    """Add points and lines."""
+    document.primitive(0, mode=0)
+    document.primitive(0, document.accessor(np.array([0, 1, 1, 2], "<u2")), mode=1)
+
+
+def target(document: Gltf) -> None:
+    """Add a shape to blend with, of no weight."""
+    by = document.accessor(np.ones((document.document["accessors"][0]["count"], 3), "<f4"))
+    document.document["meshes"][0]["primitives"][0]["targets"] = [{"POSITION": by}]
+
+
+def faces_first(shape: Solid) -> bytes:
+    return b"\n".join(sorted(obj(shape).splitlines(), key=lambda line: line[:1]))
+
+
+def points_between(shape: Solid) -> bytes:
+    """Return OBJ whose faces each stand behind their own points, counted from the last."""
+    lines = []
+    for face in shape.faces:
+        lines += ["v " + " ".join(f"{x:.12g}" for x in shape.points[i]) for i in face]
+        lines.append("f " + " ".join(str(i) for i in range(-len(face), 0)))
+    return "\n".join(lines).encode()
+
+
+def lists_before(shape: Solid) -> bytes:
+    """Return PLY with lists before the corners, and rows of others between and behind."""
+    header = [
+        *("ply", "format binary_big_endian 1.0", "obj_info by hand"),
+        *(f"element vertex {len(shape.points)}", *(f"property float64 {axis}" for axis in "xyz")),
+        *("element material 1", "property list uint8 int8 name"),
+        *(f"element face {len(shape.faces)}", "property list uint8 float32 texcoord"),
+        "property list uint8 uint32 vertex_index",
+        *("element edge 1", "property int vertex1", "property int vertex2", "end_header"),
+    ]
+    body = shape.points.astype(">f8").tobytes() + b"\3abc"
+    for face in shape.faces:
+        body += bytes([2 * len(face)]) + bytes(8 * len(face))
+        body += bytes([len(face)]) + np.array(face, ">u4").tobytes()
+    return ("\n".join(header) + "\n").encode() + body + np.array([0, 1], ">i4").tobytes()
+
+
+def faces_before_points(shape: Solid) -> bytes:
+    header = ["ply", "format ascii 1.0", f"element face {len(shape.faces)}",
+              "property list uchar int vertex_indices", f"element vertex {len(shape.points)}",
+              *(f"property double {axis}" for axis in "xyz"), "end_header"]  # fmt: skip
+    rows = [" ".join(map(str, (len(face), *face))) for face in shape.faces]
+    rows += [" ".join(f"{x:.12g}" for x in point) for point in shape.points]
+    return "\n".join([*header, *rows]).encode()
+
+
 def quantized(shape: Solid) -> bytes:
     """Return a .glb of positions in 16 bits, scaled by its node: shares of the largest."""
     document = Gltf()
@@ -150,12 +234,24 @@ CASES: dict[str, tuple[bytes, Solid]] = {
     "comb.obj": (obj(COMB), COMB),
     "dotted.obj": (obj(DOTTED), DOTTED),
     "keyhole.obj": (obj(KEYHOLE), KEYHOLE),
+    "faces-first.obj": (faces_first(CUBE), CUBE),
+    "points-between.obj": (points_between(CUBE), CUBE),
+    "marked.obj": (BOM_UTF8 + obj(CUBE), CUBE),
+    "ends-of-old.obj": (obj(CUBE, end="\r"), CUBE),
+    "latin.obj": (obj(CUBE, head="o Stra\xdfe").decode().encode("latin-1"), CUBE),
+    "blanks-behind.obj": (obj(CUBE).replace(b"\n", b"  \t\n"), CUBE),
+    "mixed-slashes.obj": (obj(CUBE).replace(b"f 1 ", b"f 1/1 ").replace(b"f 2 ", b"f 2//2 "),
+                          CUBE),
+    "surfaces.obj": (with_lines(obj(CUBE), "cstype bezier", "deg 3", "parm u 0 1", "end"), CUBE),
     "plain.off": (off(TETRAHEDRON), TETRAHEDRON),
     "quads.off": (off(CUBE), CUBE),
     "colours.off": (off(CUBE, "COFF\n", " 0.5 0.5 1 1", " 255 0 0"), CUBE),
     "comments.off": (off(CUBE, "OFF # made\n# by\n\n", " # hand"), CUBE),
     "one-line.off": (off(CUBE, "OFF "), CUBE),
     "normals.off": (off(CUBE, "NOFF\n", " 0 0 1"), CUBE),
+    "textures.off": (off(CUBE, "STOFF\n", " 0.5 0.5"), CUBE),
+    "marked.off": (BOM_UTF8 + off(CUBE), CUBE),
+    "no-edges.off": (off(CUBE).replace(b"8 6 0", b"8 6"), CUBE),
     "comb.off": (off(COMB), COMB),
     "far.off": (off(FAR), FAR),
     "little.ply": (ply(CUBE), CUBE),
@@ -175,10 +271,15 @@ CASES: dict[str, tuple[bytes, Solid]] = {
     "long-rows.ply": (ply(TRIANGLED, "ascii", row_end=" 9 9"), CUBE),
     "strips.ply": (ply_strips(FLAT_STRIP, [0, 2, 1, 3, -1, 2, 4, 3, 5, -1, 4, 6, 5, 7]),
                    FLAT_STRIP),
+    "lists.ply": (lists_before(HEXAGON), HEXAGON),
+    "faces-first.ply": (faces_before_points(HEXAGON), HEXAGON),
     "comb.ply": (ply(COMB), COMB),
     "dotted.ply": (ply(DOTTED, "ascii"), DOTTED),
     "binary.stl": (binary_stl(CUBE), CUBE),
     "binary-solid.stl": (binary_stl(CUBE, b"solid as text"), CUBE),
+    "facet-in-header.stl": (binary_stl(CUBE, b"solid facet normal 0 0 0"), CUBE),
+    "more-behind.stl": (binary_stl(CUBE) + b"more", CUBE),
+    "marked.stl": (BOM_UTF8 + ascii_stl(CUBE), CUBE),
     "text.stl": (ascii_stl(CUBE), CUBE),
     "text-far.stl": (ascii_stl(FAR), FAR),
     "text-capitals.stl": (ascii_stl(CUBE).upper().replace(b"SOLID", b"solid"), CUBE),
@@ -195,6 +296,10 @@ CASES: dict[str, tuple[bytes, Solid]] = {
     "picture-missing.glb": (gltf(CUBE, change=textured).glb(), CUBE),
     "no-indices.glb": (soup(CUBE), CUBE),
     "sparse.glb": (sparse(CUBE), CUBE),
+    "sparse-alone.glb": (sparse_alone(CUBE), CUBE),
+    "strided.glb": (strided(CUBE), CUBE),
+    "other-modes.glb": (gltf(CUBE, change=other_modes).glb(), CUBE),
+    "targets.glb": (gltf(CUBE, change=target).glb(), CUBE),
     "quantized.glb": (quantized(CUBE), CUBE),
     "strip.glb": (strip(FLAT_STRIP, [0, 2, 1, 3, 3, 2, 2, 4, 3, 5, 5, 4, 4, 6, 5, 7], 5),
                   FLAT_STRIP),
@@ -207,6 +312,14 @@ FANS = "concave faces are fans there, and overlap"
 UNREAD = "not read there"
 UNLIKE_TRIMESH = {
     "tabs.obj": UNREAD,
+    "points-between.obj": "points in one place become one there",
+    "marked.obj": "the first point is lost there",
+    "ends-of-old.obj": UNREAD,
+    "marked.off": UNREAD,
+    "lists.ply": UNREAD,
+    "more-behind.stl": UNREAD,
+    "marked.stl": UNREAD,
+    "sparse-alone.glb": "sparse accessors are not read there",
     "ell.obj": FANS,
     "comb.obj": FANS,
     "keyhole.obj": FANS,

@@ -22,7 +22,7 @@ from terrain_lod.ground.heightmap import Heightmap
 
 FOOT, SURVEY_FOOT = 0.3048, 1200 / 3937
 BAND_UNITS = {"ft": FOOT, "foot": FOOT, "US survey foot": SURVEY_FOOT, "cm": 0.01, "metre": 1.0,
-              "m": 1.0}  # fmt: skip
+              "m": 1.0, "fathom": 1.8288, "km": 1000.0}  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -62,6 +62,18 @@ def translated(driver: str, ending: str, values: np.ndarray = WHOLE, **options: 
     return make
 
 
+def copied(driver: str, ending: str, make: Maker) -> Maker:
+    """Return what writes a file of another kind of GDAL's, from a GeoTIFF."""
+
+    def made(folder: Path) -> Path:
+        source = make(folder).rename(folder / "source.tif")
+        copy(source, folder / f"odd.{ending}", driver=driver)
+        source.unlink()
+        return folder / f"odd.{ending}"
+
+    return made
+
+
 def packed(ending: str) -> Maker:
     def make(folder: Path) -> Path:
         source = write_tiff(folder / "source.tif", WHOLE)
@@ -125,6 +137,7 @@ def with_alpha(dtype: str, opaque: float) -> np.ndarray:
 
 ALPHA: Final = [ColorInterp.gray, ColorInterp.alpha]
 FLOAT: Final = HILLS.astype(np.float32)
+GREY: Final = (WHOLE // 5).astype(np.uint8)
 CELL: Final = Affine(30, 0, 500_000, 0, -30, 4_000_000)
 FLIPPED: Final = Affine(30, 0, 500_000, 0, 30, 3_000_000)
 LOWEST: Final = float(np.finfo(np.float32).min)
@@ -136,12 +149,22 @@ ODD: Final[dict[str, tuple[Maker, dict[str, Any]]]] = {
     # kinds of numbers
     **{f"dtype {dtype}": (tiff(HILLS.astype(dtype)), {}) for dtype in
        ("uint16", "int16", "uint32", "int32", "float32", "float64", "int64", "uint64")},
+    "dtype int8": (tiff((HILLS / 10).astype(np.int8)), {}),
+    "twelve bits": (tiff(WHOLE.astype(np.uint16), nbits=12), {}),
+    "24 bits": (tiff(WHOLE.astype(np.uint32), nbits=24), {}),
+    "half floats": (tiff(FLOAT, nbits=16), {}),
+    "floats of 24 bits": (tiff(FLOAT, nbits=24), {}),
     "big-endian": (tiff(FLOAT, ENDIANNESS="BIG"), {}),
     "bigtiff": (tiff(FLOAT, BIGTIFF="YES"), {}),
     "deflate, predictor 3": (tiff(FLOAT, compress="deflate", predictor=3), {}),
     "lzw, predictor 2": (tiff(WHOLE, compress="lzw", predictor=2), {}),
     "zstd": (tiff(FLOAT, compress="zstd"), {}),
     "lerc": (tiff(FLOAT, compress="lerc"), {}),
+    "lerc and zstd": (tiff(FLOAT, compress="lerc_zstd"), {}),
+    "lzma": (tiff(FLOAT, compress="lzma"), {}),
+    "packbits": (tiff(WHOLE, compress="packbits"), {}),
+    "JPEG in tiles": (tiff(GREY, compress="JPEG", tiled=True, blockxsize=16, blockysize=16), {}),
+    "white is zero": (tiff(GREY, photometric="MINISWHITE"), {}),
     "tiled": (tiff(FLOAT, tiled=True, blockxsize=16, blockysize=16), {}),
     "strips of one row": (tiff(FLOAT, blockysize=1), {}),
     "sparse": (tiff(np.where(HILLS > 990, HILLS, 0), SPARSE_OK=True), {}),
@@ -163,6 +186,8 @@ ODD: Final[dict[str, tuple[Maker, dict[str, Any]]]] = {
     **{f"alpha {dtype}": (tiff(with_alpha(dtype, opaque), colorinterp=ALPHA, ALPHA="YES"), {})
        for dtype, opaque in (("uint16", 65535), ("int16", 255), ("int32", 255), ("float32", 1.0),
                              ("float64", 255.0))},
+    "alpha and nodata": (tiff(with_alpha("uint16", 65535), colorinterp=ALPHA, ALPHA="YES",
+                              nodata=900), {}),
     # bands
     "second of two bands": (tiff(np.stack([HILLS * 0, HILLS])), {"band": 2}),
     "third of three, with names": (tiff(np.stack([FLOAT, FLOAT + 1, FLOAT + 2]),
@@ -174,11 +199,14 @@ ODD: Final[dict[str, tuple[Maker, dict[str, Any]]]] = {
     "scale, offset and nodata": (tiff(holed("int16", -1), nodata=-1, scales=(0.1,),
                                       offsets=(-5.0,)), {}),
     "scale alone": (tiff(WHOLE, scales=(0.01,)), {}),
+    "depths": (tiff(WHOLE, scales=(-1.0,)), {}),
     # units
     "feet in degrees": (tiff(FLOAT, crs="EPSG:4326", transform=DEGREES, units=("ft",)), {}),
     "survey feet in degrees": (tiff(FLOAT, crs="EPSG:4269", transform=DEGREES,
                                     units=("US survey foot",)), {}),
     "feet in metres": (tiff(FLOAT, units=("ft",)), {}),
+    "fathoms": (tiff(FLOAT, units=("fathom",)), {}),
+    "kilometres": (tiff(FLOAT / 1000, units=("km",)), {}),
     "centimetres": (tiff(WHOLE, units=("cm",)), {}),
     "metres in survey feet": (tiff(FLOAT, crs=LCC_FEET, transform=FEET, units=("metre",)), {}),
     "survey feet in survey feet": (tiff(FLOAT, crs=LCC_FEET, transform=FEET,
@@ -229,6 +257,17 @@ ODD: Final[dict[str, tuple[Maker, dict[str, Any]]]] = {
     "Idrisi": (translated("RST", "rst"), {}),
     "PCRaster": (translated("PCRaster", "map", FLOAT, crs="EPSG:32632", transform=CELL), {}),
     "netCDF": (translated("netCDF", "nc"), {}),
+    "netCDF, packed": (copied("netCDF", "nc", tiff(holed("int16", -1), nodata=-1, scales=(0.1,),
+                                                   offsets=(-5.0,))), {}),
+    "PNG, alpha of 16 bits": (copied("PNG", "png", tiff(with_alpha("uint16", 65535), ALPHA="YES",
+                                                        colorinterp=ALPHA)), {}),
+    "PNG, nodata beside it": (copied("PNG", "png", tiff(holed("uint16", 0), nodata=0)), {}),
+    "GeoPackage": (translated("GPKG", "gpkg", FLOAT, crs="EPSG:32632", transform=CELL), {}),
+    "MRF": (translated("MRF", "mrf"), {}),
+    "PDS4": (translated("PDS4", "xml", FLOAT), {}),
+    "ERMapper": (translated("ERS", "ers", FLOAT), {}),
+    "PCIDSK": (translated("PCIDSK", "pix", FLOAT), {}),
+    "ZMap": (translated("ZMap", "dat", FLOAT), {}),
     "GRIB": (translated("GRIB", "grib"), {}),
     "GTX": (translated("GTX", "gtx", FLOAT, crs="EPSG:4326", transform=DEGREES), {}),
     "USGS DEM": (translated("USGSDEM", "dem", transform=CELL), {}),

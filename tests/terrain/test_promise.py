@@ -66,7 +66,7 @@ def test_what_is_chosen_holds_when_it_is_measured() -> None:
 
 
 def test_promises_have_no_edge_rule() -> None:
-    with pytest.raises(tl.InputError, match=r"formula with the edge rule 'max', got MaxErrorLod"):
+    with pytest.raises(tl.InputError, match=r"formula with edge_rule=, got MaxErrorLod"):
         tl.Terrain(GROUNDS["rough"]).mesh(lod=tl.MaxErrorLod(2.0), edge_rule="max")
 
 

@@ -270,3 +270,12 @@ def test_maps_that_stand_askew_and_heights_in_feet(units, tmp_path):
     lon, lat = to_degrees.transform(350_000 + 20.0 * column, 5_100_000 - 20.0 * row)
     samples = np.stack([lon, lat, ridge], axis=-1).reshape(-1, 3)
     assert np.median(in_stated_errors(tiles, samples)) <= 1.25
+
+
+def test_levels_of_the_whole_earth_are_measured_in_the_map_of_a_zone(tmp_path):
+    # most of a tile's corners are where such a map is not
+    ground = tl.Heightmap(np.indices((17, 17)).sum(axis=0) % 7, spacing=2.0, origin=(5e5, 4e6),
+                          crs="EPSG:32632", units=("metre", "metre"))  # fmt: skip
+    report = tl.write_tiles(ground, tmp_path / "tiles", zoom=3, scheme="mercator", error=40.0)
+    assert [record.z for record in report.records] == [0, 1, 2, 3]
+    assert all(record.error <= 320.0 / 2**record.z for record in report.records)

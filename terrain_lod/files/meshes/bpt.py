@@ -45,7 +45,7 @@ def load_bpt(path: str | Path) -> Nets:
     """
     path = file_path("path", path)
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "it is no text"
         raise FileError(f"cannot read {path}: {reason}") from None

@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import logging
-import os
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
 
-from ...arguments import file_path
-from ...errors import FileError, InputError
+from ...errors import InputError
 from ...mesh.mesh import Mesh
 from ...mesh.normals import vertex_normals
 from ...mesh.soundness import require_sound
 from .polygons import cut_polygons
 from .raw import Floats, Integers, RawMesh, require_corners
-from .readers import read
+from .readers import mesh_file, read
 
 _log = logging.getLogger(__name__)
 
@@ -63,9 +61,7 @@ def load_mesh(path: str | Path) -> Mesh:
     MissingExtraError
         If a package is needed to read it that is not installed; the message names the extra.
     """
-    path = file_path("path", path)
-    if not os.path.isfile(path):  # as Path.is_file, but a folder may be closed
-        raise FileError(f"expected a mesh file, got none at {path}")
+    path = mesh_file(path)
     raw = read(path)
     for note in raw.notes:
         _log.info("%s: %s", path, note)

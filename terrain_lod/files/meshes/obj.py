@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .raw import Floats, Integers, RawMesh, require_corners
-from .words import numbers, numbers_of_lines, whole_numbers_of_words, words_of_lines
+from .words import numbers, numbers_of_lines, text_of, whole_numbers_of_words, words_of_lines
 
 _LEFT_OUT: Final = {
     b"l": "lines",
@@ -43,7 +43,7 @@ def read_obj(path: Path) -> RawMesh:
     InputError
         If a corner is no vertex.
     """
-    text = path.read_bytes()
+    text = text_of(path)
     if b"\0" in text:
         raise ValueError("it is no text")
     lines = _Lines(text)

@@ -20,7 +20,7 @@ from typing import Final
 import numpy as np
 
 from .raw import RawMesh
-from .words import numbers
+from .words import numbers, text_of
 
 _KEYWORD: Final = re.compile(rb"(ST)?(C)?(N)?(4)?(n)?OFF\b")
 
@@ -33,7 +33,7 @@ def read_off(path: Path) -> RawMesh:
     ValueError
         If it is damaged, binary, or not of three dimensions.
     """
-    text = path.read_bytes()
+    text = text_of(path)
     lines = [line.partition(b"#")[0].strip() for line in text.splitlines()]
     lines = [line for line in lines if line]
     keyword = _KEYWORD.match(lines[0]) if lines else None

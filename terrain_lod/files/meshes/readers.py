@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
+from ...arguments import file_path
 from ...errors import FileError, TerrainError
 from .child import read_in_child
 from .draco import DRACO
@@ -26,6 +28,14 @@ READERS: Final[dict[str, Callable[[Path], RawMesh]]] = {
     ".ply": read_ply,
     ".stl": read_stl,
 }
+
+
+def mesh_file(path: object) -> Path:
+    """Return the path of a file that is there, or raise FileError."""
+    found = file_path("path", path)
+    if not os.path.isfile(found):  # as Path.is_file, but a folder may be closed
+        raise FileError(f"expected a mesh file, got none at {found}")
+    return found
 
 
 def read(path: Path) -> RawMesh:

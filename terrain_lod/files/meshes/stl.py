@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .raw import Floats, Integers, RawMesh, of_triangles
-from .words import numbers
+from .words import numbers, text_of
 
 _HEADER: Final = 80
 _FACET: Final = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("color", "<u2")])
@@ -30,7 +30,7 @@ def read_stl(path: Path) -> RawMesh:
     ValueError
         If it is damaged or truncated.
     """
-    content = path.read_bytes()
+    content = text_of(path)
     start = _HEADER + 4
     claimed = start + _FACET.itemsize * int.from_bytes(content[_HEADER:start], "little")
     # some binary files begin with "solid", too: their size tells

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import warnings
+from codecs import BOM_UTF8
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -18,6 +20,11 @@ _ZERO: Final = ord("0")
 _DIGITS: Final = 18  # that 64 bits hold whatever they are
 # what separates words and is no end of a line
 _BLANKS: Final = bytes.maketrans(b"\t\v\f\r", b"    ")
+
+
+def text_of(path: Path) -> bytes:
+    """Return a file without the mark that some editors put before text."""
+    return path.read_bytes().removeprefix(BOM_UTF8)
 
 
 def numbers(rows: Sequence[bytes], width: int, what: str) -> npt.NDArray[np.float64]:

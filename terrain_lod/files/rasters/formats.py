@@ -18,7 +18,7 @@ from .readers_asc import read_asc
 from .readers_gdal import EXTRA, read_gdal
 from .readers_hgt import read_hgt
 from .readers_image import is_deep, open_image, raster_of, world_file
-from .readers_tiff import read_plain_tiff
+from .readers_tiff import read_plain_tiff, require_nothing_beside
 
 
 def read_image(path: Path, part: Part) -> Raster:
@@ -28,6 +28,8 @@ def read_image(path: Path, part: Part) -> Raster:
         if gdal and is_deep(image) and len(image.getbands()) > 1:
             return read_gdal(path, part)
         raster = raster_of(image, path, part.band)
+    if not gdal:
+        require_nothing_beside(path)
     affine = world_file(path)
     if gdal:
         raster, affine = readers_gdal.place_of_image(path, raster)

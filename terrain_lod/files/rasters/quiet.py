@@ -13,26 +13,48 @@ from typing import Final
 _LOCK: Final = threading.Lock()
 
 
-@contextmanager
-def quiet_libtiff() -> Iterator[None]:
-    """Close the descriptor of stderr to the libtiff within Pillow, whose words nobody can catch.
+class _Descriptor:
+    """The descriptor of stderr, and how many readers keep it closed."""
 
-    Python's own stderr of other threads is silent meanwhile, too.
-    """
-    with _LOCK:
-        try:
-            kept = os.dup(2)
-        except OSError:
-            # there is no stderr
-            yield
-            return
-        try:
+    def __init__(self) -> None:
+        self.readers = 0
+        self.kept: int | None = None
+
+    def enter(self) -> None:
+        with _LOCK:
+            self.readers += 1
+            if self.readers > 1:
+                return
+            try:
+                self.kept = os.dup(2)
+            except OSError:
+                return  # there is no stderr
             with open(os.devnull, "wb") as nowhere:
                 os.dup2(nowhere.fileno(), 2)
-            yield
-        finally:
-            os.dup2(kept, 2)
-            os.close(kept)
+
+    def leave(self) -> None:
+        with _LOCK:
+            self.readers -= 1
+            if self.readers == 0 and self.kept is not None:
+                os.dup2(self.kept, 2)
+                os.close(self.kept)
+                self.kept = None
+
+
+_DESCRIPTOR: Final = _Descriptor()
+
+
+@contextmanager
+def quiet_libraries() -> Iterator[None]:
+    """Close the descriptor of stderr to libtiff and PROJ, whose words nobody can catch.
+
+    Python's own stderr of other threads is silent meanwhile, too: this is for single calls.
+    """
+    _DESCRIPTOR.enter()
+    try:
+        yield
+    finally:
+        _DESCRIPTOR.leave()
 
 
 class _Hooks:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
@@ -19,7 +19,7 @@ from . import mercator
 from .affine import Affine, first_and_steps, moved, placed, require_upright
 from .limits import require_memory
 from .parts import Part
-from .quiet import quiet_rasterio
+from .quiet import quiet_libraries, quiet_rasterio
 from .raster import Raster
 from .readers_array import HEIGHT_NAMES
 from .readers_image import terrain_rgb
@@ -120,7 +120,7 @@ def place_of_image(path: Path, raster: Raster) -> tuple[Raster, Affine | None]:
     from rasterio.errors import RasterioError
 
     try:
-        with quiet_rasterio(), rasterio.Env(), rasterio.open(path) as file:
+        with quiet_rasterio(), rasterio.Env(), _open(path) as file:
             affine = _affine(file)
             return (raster if affine is None else _in_system(raster, file.crs)), affine
     except RasterioError:
@@ -148,9 +148,7 @@ def _source(path: Path) -> str:
 @contextmanager
 def _opened(source: str, name: str, part: Part) -> Iterator[tuple[Any, str]]:
     """Open the one raster of heights in what GDAL calls `source`."""
-    import rasterio
-
-    with rasterio.open(source) as file:
+    with _open(source) as file:
         inner = _of_several(file, name) if file.subdatasets else None
         overviews = file.overviews(1) if file.count else []
     source = inner or source
@@ -160,9 +158,18 @@ def _opened(source: str, name: str, part: Part) -> Iterator[tuple[Any, str]]:
             found = f"0 to {len(overviews) - 1}" if overviews else "none"
             raise InputError(f"expected an overview that {name} has, {found}, got {part.overview}")
         options = {"overview_level": part.overview}
-    with rasterio.open(source, **options) as file:
+    with _open(source, **options) as file:
         ways = "overview=, window= or bounds=" if overviews else "window= or bounds="
         yield file, ways
+
+
+def _open(source: str | Path, **options: Any) -> Any:
+    import rasterio
+
+    with quiet_libraries():
+        file = rasterio.open(source, **options)
+        _ = file.subdatasets  # GDAL reads the rest of a header when it is first asked
+        return file
 
 
 def _of_several(file: Any, name: str) -> str | None:
@@ -197,13 +204,13 @@ def _from_dataset(file: Any, name: str, part: Part, ways: str) -> Raster:
     require_memory(*extent, dtype, name, ways)
     mask = _mask(file, bands[0], window)
     if len(bands) == 3:
-        colours = np.moveaxis(file.read(bands, window=window), 0, 2)
+        colours = np.moveaxis(_read(file, bands, window), 0, 2)
         hole = np.zeros(extent, bool) if mask is None else mask
         raster = Raster(terrain_rgb(colours, hole, name), mask=mask, coloured=True)
     else:
         band = bands[0] - 1
         raster = Raster(
-            file.read(bands[0], window=window),
+            _read(file, bands[0], window),
             nodata=file.nodatavals[band],
             mask=mask,
             scale=float(file.scales[band]),
@@ -255,6 +262,11 @@ def _bands(file: Any, name: str, part: Part) -> list[int]:
     )
 
 
+def _read(file: Any, bands: int | Sequence[int], window: Any) -> np.ndarray[Any, Any]:
+    with quiet_libraries():
+        return np.asarray(file.read(bands, window=window))
+
+
 def _mask(file: Any, band: int, window: Any) -> npt.NDArray[np.bool_] | None:
     """Return where alpha, or a mask of the file's own besides its nodata, says there is nothing.
 
@@ -265,10 +277,11 @@ def _mask(file: Any, band: int, window: Any) -> npt.NDArray[np.bool_] | None:
     hole = None
     flags = file.mask_flag_enums[band - 1]
     if MaskFlags.per_dataset in flags and MaskFlags.alpha not in flags:
-        hole = file.read_masks(band, window=window) == 0
+        with quiet_libraries():
+            hole = file.read_masks(band, window=window) == 0
     for alpha, use in enumerate(file.colorinterp, 1):
         if use == ColorInterp.alpha and alpha != band:
-            clear = ~(file.read(alpha, window=window) > 0)
+            clear = ~(_read(file, alpha, window) > 0)
             hole = clear if hole is None else hole | clear
     return hole
 

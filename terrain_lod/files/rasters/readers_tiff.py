@@ -18,14 +18,14 @@ from ...ground.units import METRE, Unit, unit_called
 from . import mercator
 from .affine import Affine, part_of
 from .parts import Part
-from .quiet import quiet_libtiff
+from .quiet import quiet_libraries
 from .raster import Raster
 from .readers_gdal import EXTRA
 from .readers_image import open_image, raster_of, world_file
 from .wkt import DEGREE, WGS84, Angle, Ellipsoid, System
 
 # tags and keys of the standard, and GDAL's own tags
-BITS_PER_SAMPLE, SAMPLE_FORMAT, METADATA = 258, 339, 42112
+PHOTOMETRIC, WHITE_IS_ZERO, BITS_PER_SAMPLE, SAMPLE_FORMAT, METADATA = 262, 0, 258, 339, 42112
 PIXEL_SCALE, TIE_POINTS, TRANSFORMATION, KEYS, NODATA = 33550, 33922, 34264, 34735, 42113
 DOUBLES, RPC, SUBFILE_TYPE, IS_MASK = 34736, 50844, 254, 4
 MODEL_TYPE, RASTER_TYPE, GEOGRAPHIC_CRS, PROJECTED_CRS = 1024, 1025, 2048, 3072
@@ -41,6 +41,15 @@ HEIGHTS: Final = {5703: "metre", 5773: "metre", 3855: "metre", 5714: "metre", 57
                   8228: "foot"}  # fmt: skip
 # maps of the whole world but that of the web: stretched, and by formulas that PROJ has
 WORLD_MAPS: Final = (3395, 3832, 3994, 3410, 3975, 6933, 4087, 4088, 32662, 32663, 8857)
+# what of a file beside an image changes the ground
+PLACES_BESIDE: Final = (
+    b"<GeoTransform",
+    b"<SRS",
+    b"<NoDataValue",
+    b"<Scale",
+    b"<Offset",
+    b"<GCPList",
+)
 UNIT_TYPE: Final = re.compile(r'role="unittype"[^>]*>([^<]*)<')
 
 
@@ -58,11 +67,15 @@ def read_plain_tiff(path: Path, part: Part) -> Raster:
             f"expected a plain TIFF, got one of another kind, or a part of one, in {path.name}: "
             f"{EXTRA}"
         ) from None
+    require_nothing_beside(path)
     with image:
         _require_no_mask(image, path)
         tags = dict(getattr(image, "tag_v2", {}))
+        if tags.get(PHOTOMETRIC) == WHITE_IS_ZERO:
+            # Pillow turns such numbers round, the field does not
+            raise MissingExtraError(f"expected black as 0 in {path.name}, got white: {EXTRA}")
         try:
-            with quiet_libtiff():
+            with quiet_libraries():
                 raster = raster_of(image, path, part.band)
         except TerrainError:
             raise
@@ -73,6 +86,15 @@ def read_plain_tiff(path: Path, part: Part) -> Raster:
             ) from error
     raster = _with_tags(raster, tags, path.name)
     return part_of(raster, _affine(tags, path), part, path.name)
+
+
+def require_nothing_beside(path: Path) -> None:
+    """Refuse a file of GDAL's beside an image, whose place or nodata it says."""
+    beside = path.with_name(f"{path.name}.aux.xml")
+    if beside.is_file() and any(entry in beside.read_bytes() for entry in PLACES_BESIDE):
+        raise MissingExtraError(
+            f"expected rasterio, for {beside.name}, got no such package: {EXTRA}"
+        )
 
 
 def _require_no_mask(image: Any, path: Path) -> None:

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from ...arguments import file_path, instance, whole
+from ...device import layout
 from ...device.device import Device
 from ...drawing.graphics import graphics_problem
 from ...drawing.picture import draw, save_png
@@ -83,8 +84,8 @@ def compare(
     """
     instance("a Heightmap for ground", ground, Heightmap)
     views = whole("views", views, 1, 100)
+    tile = None if tile is None else whole("tile", tile, 1, layout.MAX_TILE)
     folder, course = file_path("folder", folder), Course(ground, views, Device.of(device))
-    course.terrain(tile, flat=False)  # a wrong tile is refused before anything takes time
     groups = contenders(ground, tile), tile_sizes(ground), partitionings(tile)
     step = Steps(progress, sum(map(len, groups)) + 1)
     require_made(folder)
