@@ -293,9 +293,10 @@ def test_command(tmp_path, monkeypatch, capsys):
     assert run(["render", "hills.npy", "-o", "plain", *plain]) == 0
     assert run(["render", "hills.npy", "-o", "lines", "--wireframe", *plain]) == 0
     without, edges = (np.asarray(Image.open(f"{name}/0000.png")) for name in ("plain", "lines"))
-    assert edges.mean() < without.mean() - 5
+    assert edges.mean() < without.mean() - 2
     counted = np.asarray(Image.open("frames/0000.png"))
-    assert counted[-8:, :40].mean() > without[-8:, :40].mean() + 20  # the text's light ground
+    texts = counted[-8:, :40].astype(int) - without[-8:, :40]
+    assert np.abs(texts).mean() > 10
     for bad, message in (
         (["--orbit", "--flyover"], "one of --path, --orbit and --flyover"),
         (["--beside", "uniform"], "with --beside"),
