@@ -26,7 +26,7 @@ from promise import DELATIN, ground_of, seconds_of
 
 import terrain_lod as tl
 from terrain_lod.camera.path import flyover
-from terrain_lod.reports.comparison import with_triangles
+from terrain_lod.reports.matching import tuned
 
 ODD: dict[str, Any] = {"partitioning": "fractional_odd"}
 TRIED = [*((ODD, tile) for tile in (7, 15)), *(({}, tile) for tile in (3, 4, 5, 6, 7, 8, 15))]
@@ -111,7 +111,13 @@ def pops(name: str, samples: int, pictures: int) -> None:
             line(label, tree, tl.ScreenErrorLod(pixels), band)
     flat = tl.Terrain(ground, levels=1)
     wanted = len(tree.mesh(way[0], lod=PIXEL).triangles)
-    smooth = with_triangles(flat, way[0], tl.DistanceLod(), wanted)
+    smooth = tuned(
+        tl.DistanceLod(),
+        wanted,
+        lambda lod: len(flat.mesh(way[0], lod=lod).triangles),
+        share=0.001,
+        rises=True,
+    )
     line("distance LOD, fractional_odd", flat, smooth)
 
 

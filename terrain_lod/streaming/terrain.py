@@ -238,9 +238,8 @@ class StreamingTerrain:
         """
         part = within("rows", rows, self.shape[0]), within("columns", columns, self.shape[1])
         shape = tuple(piece.stop - piece.start for piece in part)
-        hole = np.broadcast_to(np.ma.getmaskarray(np.ma.asarray(heights)), np.shape(heights))
         values = array("heights", heights, shape, None, is_finite=False).astype(np.float64)
-        values[hole] = np.nan
+        values[np.ma.getmaskarray(np.ma.asarray(heights))] = np.nan
         with self._meshing:
             self._hold(update(self.store, *part, values))
 

@@ -131,7 +131,7 @@ def test_a_promise_and_weights_in_report(capsys) -> None:
     content = json.loads(Path("out/report.json").read_text())
     trial = content["trials"]["weighted-screen-error"]
     assert trial["parameters"] == {"pixels": 2.0, "horizon": 3.0, "silhouette": 1.0}
-    assert "Weighted-screen-error LOD draws" in capsys.readouterr().out
+    assert "weighted-screen-error LOD draws" in capsys.readouterr().out
 
 
 def test_own_class_in_the_comparison(monkeypatch) -> None:

@@ -111,7 +111,10 @@ def test_approximating_patches_are_closed_and_nearly_smooth():
     [
         (lambda: tl.curved.bezier_curve(np.zeros((1, 3))), "degrees 1 to 32"),
         (lambda: tl.curved.bezier_curve(np.zeros((40, 3))), "degrees 1 to 32"),
-        (lambda: tl.curved.bezier_curve([(0, 0, np.nan), (1, 1, 1)]), "finite in float32"),
+        (
+            lambda: tl.curved.bezier_curve([(0, 0, np.nan), (1, 1, 1)]),
+            "finite control points, got nan",
+        ),
         (lambda: tl.curved.bezier_curve(QUARTER, factor=0), "factor > 0"),
         (lambda: tl.curved.curve_continuity(np.zeros((2, 2))), "control points"),
         (lambda: tl.curved.patch_continuity(np.zeros((2, 2))), "16 control points"),

@@ -38,6 +38,7 @@ MADE_BY_US = (
     *("Achieved", "Continuity", "CrackReport", "Hits", "Pop", "Report", "ScreenError"),
     *("SweepReport", "TileAnalysis", "TileRecord", "TilesReport", "VerticalError", "Lod"),
     *("PromiseLod", "EdgeFactor", "Polyline", "DeviceArray", "DeviceMesh"),
+    "NormalMap",
 )
 # for the package's own rooms, which hand on what is checked: kernels, events, records of arrays
 OF_ROOMS = (
@@ -51,6 +52,7 @@ OF_ROOMS = (
         "Pattern",
     ),
     "Heightmap.with_crs",
+    *("Camera.lifted", "Patches.largest_on_tiles"),
     *("Pattern.of", "Pattern.of_nothing", "Patches.on_tiles", "Decal.record"),
 )
 REFUSED = "refused: "
@@ -313,6 +315,9 @@ class Bench:
             "camera": camera, "lod": tl.ScreenErrorLod(2.0), "cull": True, "wait": True
         })  # fmt: skip
         yield Call("StreamingTerrain.ground_near", self.stream.ground_near, {"x": 1.0, "y": -2.0})
+        yield Call("StreamingTerrain.update", self.stream.update, {
+            "rows": slice(3, 5), "columns": slice(2, 6), "heights": np.zeros((2, 4), np.float32)
+        })  # fmt: skip
         yield Call("Steady", tl.Steady, {"hysteresis": 0.5})
 
     def _tiles(self) -> Iterator[Call]:
@@ -333,6 +338,9 @@ class Bench:
         seen = {**against, "camera": camera}
         yield Call("vertical_error", tl.vertical_error, {**against, "field": True})
         yield Call("patch_errors", tl.patch_errors, against)
+        yield Call("bake_normals", tl.bake_normals, {
+            "coarse": self.mesh, "fine": self.mesh, "size": (8, 6), "device": device
+        })  # fmt: skip
         yield Call("normal_error", tl.normal_error, against)
         yield Call("screen_error", tl.screen_error, seen)
         yield Call("silhouette_error", tl.silhouette_error, seen)

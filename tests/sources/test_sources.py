@@ -167,7 +167,7 @@ def test_a_fingerprint_tells_sources_apart(tmp_path: Path) -> None:
 
 def test_others_are_refused(tmp_path: Path) -> None:
     for wrong, said in (
-        (7, "expected a file, a folder of tiles, an array or a Heightmap, got int"),
+        (7, "expected a file, a folder of tiles, an array or a Heightmap, got 7"),
         (np.zeros(5), "at least 2 x 2"),
         (tmp_path, "expected rasters in the folder"),
         (tmp_path / "none.tif", "got nothing at"),
