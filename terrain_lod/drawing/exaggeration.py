@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
 from ..arguments import positive
 from ..camera.camera import Camera
 from ..ground.exaggeration import exaggerated
 from ..mesh.mesh import Mesh
+from ..mesh.stretched import stretched
 from ..terrain.lod import AnyLod, PromiseLod, Weighted
 from ..terrain.terrain import Terrain
 from .sky_light import SkyLight
@@ -60,23 +59,6 @@ class ExaggeratedTerrain:
         seen = camera.lifted(self._factor)
         wanted = None if lod is None else _in_seen_metres(lod, self._factor)
         return stretched(self._seen.mesh(seen, lod=wanted, **meshing), 1 / self._factor)
-
-
-def stretched(mesh: Mesh, factor: float) -> Mesh:
-    """Return a mesh whose heights, and what is known of its errors, are multiplied by a factor."""
-    if factor == 1:
-        return mesh
-    scale = np.array([1.0, 1.0, factor])
-    normals = mesh.normals / scale.astype(np.float32)
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
-    achieved = mesh.achieved
-    return replace(
-        mesh,
-        vertices=mesh.vertices * scale.astype(np.float32),
-        normals=normals.astype(np.float32),
-        origin=mesh.origin * scale,
-        achieved=achieved and replace(achieved, metres=achieved.metres * factor),
-    )
 
 
 def _in_seen_metres(lod: AnyLod, factor: float) -> AnyLod:

@@ -24,11 +24,12 @@ from ..ground.exaggeration import exaggerated
 from ..ground.heightmap import Heightmap
 from ..measure.screen_error import screen_error
 from ..mesh.mesh import Mesh
+from ..mesh.stretched import stretched
 from ..paths import replacing, require_made
 from ..terrain.lod import AnyLod, checked_lod, unweighted
 from ..terrain.terrain import Terrain
 from .drape import Drape
-from .exaggeration import ExaggeratedTerrain, stretched
+from .exaggeration import ExaggeratedTerrain
 from .graphics import require_graphics
 from .picture import SUN, Picture, draw, save_png
 from .scales import metres_above_sea

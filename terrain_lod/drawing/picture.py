@@ -18,11 +18,11 @@ from ..arguments import file_path, flag, numbers, one_of, positive
 from ..camera.camera import Camera
 from ..errors import InputError
 from ..mesh.mesh import Mesh
+from ..mesh.stretched import stretched
 from ..paths import replacing, require_folder
 from . import scales
 from .colours import Colours, facing, hypsometric, lit, mixed, sun_direction, to_bytes
 from .drape import Drape
-from .exaggeration import stretched
 from .graphics import require_graphics
 from .outlines import patch_outlines
 from .scales import Scale

@@ -11,11 +11,12 @@ from ..device.device import Device
 from ..errors import InputError
 from ..ground.heightmap import Heightmap
 from ..mesh.mesh import Mesh
+from ..mesh.stretched import stretched
 from ..streaming.terrain import StreamingTerrain
 from ..terrain.lod import Lod, PromiseLod, Weighted
 from ..terrain.terrain import Terrain
 from .drape import Drape
-from .exaggeration import ExaggeratedTerrain, stretched
+from .exaggeration import ExaggeratedTerrain
 from .graphics import require_graphics
 from .picture import STYLES, SUN, SUN_ON_MESHES, Picture, draw, require_png, save_png
 from .portrait import Portrait

@@ -22,7 +22,7 @@ def stretched(mesh: Mesh, exaggeration: float) -> Mesh:
     Returns
     -------
     Mesh
-        What was achieved is not said of it any more: errors are of the true mesh.
+        What is known of its errors is of its own heights, too.
 
     Raises
     ------
@@ -33,12 +33,13 @@ def stretched(mesh: Mesh, exaggeration: float) -> Mesh:
     if factor == 1:
         return mesh
     scale = np.array([1.0, 1.0, factor])
-    normals = mesh.normals / scale
+    normals = mesh.normals / scale.astype(np.float32)
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
+    achieved = mesh.achieved
     return replace(
         mesh,
-        vertices=mesh.vertices * scale,
+        vertices=mesh.vertices * scale.astype(np.float32),
         normals=normals.astype(np.float32),
         origin=mesh.origin * scale,
-        achieved=None,
+        achieved=achieved and replace(achieved, metres=achieved.metres * factor),
     )

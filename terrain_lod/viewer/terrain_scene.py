@@ -12,7 +12,7 @@ from ..arguments import positive
 from ..camera.camera import Camera, Point
 from ..camera.viewpoint import default_camera
 from ..device.device import Device
-from ..drawing.exaggeration import ExaggeratedTerrain, stretched
+from ..drawing.exaggeration import ExaggeratedTerrain
 from ..drawing.sky_light import SkyLight
 from ..ground.exaggeration import exaggerated
 from ..ground.heightmap import Heightmap
@@ -20,6 +20,7 @@ from ..ground.place import said_place
 from ..measure.error import vertical_error
 from ..measure.screen_error import screen_error
 from ..mesh.mesh import Mesh
+from ..mesh.stretched import stretched
 from ..terrain.steady import Steady
 from ..terrain.terrain import Terrain
 from .colours import (

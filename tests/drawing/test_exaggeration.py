@@ -8,9 +8,10 @@ import pytest
 import terrain_lod as tl
 from support.grounds import rough
 from terrain_lod.cli.app import REFUSED, run
-from terrain_lod.drawing.exaggeration import ExaggeratedTerrain, stretched
+from terrain_lod.drawing.exaggeration import ExaggeratedTerrain
 from terrain_lod.ground.exaggeration import exaggerated
 from terrain_lod.measure.error import vertical_error
+from terrain_lod.mesh.stretched import stretched
 
 FACTOR = 5.0
 GROUND = rough(41, 41, spacing=30.0)
