@@ -122,9 +122,12 @@ def examine(
         remaining = kernels[len(findings) :]
         answers, problem = _ask([checks, str(number), *remaining], timeout)
         findings += [Finding(**answer) for answer in answers]
+        is_late = problem.startswith("no answer")
+        if is_late and answers:  # it was going on: kernels are built for the first time
+            continue
         if len(answers) < len(remaining):
             findings.append(Finding(remaining[len(answers)], problem=problem))
-        if problem.startswith("no answer"):  # the next might not answer either
+        if is_late:  # the next might not answer either
             findings += [Finding(name, problem="not tried") for name in kernels[len(findings) :]]
     return findings
 
