@@ -86,11 +86,11 @@ inline Real triangle_errors(const TileSamples samples, const float4 a, const flo
     Real lanes;
     for (int lane = 0; lane < LANES; ++lane)
         SET_LANE(lanes, lane, lane);
-    const Real behind = box.right - lanes;
     Real error = -1.0f;
     for (int row = box.top; row <= box.bottom; ++row)
         for (int column = box.left; column <= box.right; column += LANES) {
             const Real height = row_of_samples(samples, row, column, box.right);
+            // lanes behind the box stay on its last sample, or weigh nothing
             const Real x = column + lanes - a.x;
             const float y = row - a.y;
             const Real share1 = x * y2 - x2 * y, share2 = x1 * y - x * y1;
@@ -101,8 +101,7 @@ inline Real triangle_errors(const TileSamples samples, const float4 a, const flo
             const Real difference = share1 == area ? b.z - height
                                   : share2 == area ? c.z - height : between;
             const Real lower = SMALLER(weight1, weight2);
-            // lanes behind the box have no sample of the triangle, however narrow it is
-            const Real least = SMALLER(SMALLER(lower, 1.0f - weight1 - weight2), behind - column);
+            const Real least = SMALLER(lower, 1.0f - weight1 - weight2);
             const Real distance = least >= -rounding ? ABSOLUTE(difference) : (Real)-1.0f;
             error = LARGER(distance, error);
         }

@@ -32,7 +32,7 @@ from .drape import Drape
 from .exaggeration import ExaggeratedTerrain
 from .graphics import require_graphics
 from .picture import SUN, Picture, draw, save_png
-from .scales import metres_above_sea
+from .scales import COMPARED, metres_above_sea
 
 _NOTES: Final = "frames.json"  # cameras, as a path is read from, and what the pictures show
 
@@ -145,6 +145,7 @@ def _picture(
             mesh,
             seen,
             style=look.style,
+            colour_range=COMPARED.get(look.style),
             sun=look.sun,
             height_range=terrain.ground.height_range,
             metres=metres_above_sea(terrain.ground),

@@ -66,7 +66,7 @@ def draw(
     sun: tuple[float, float] = SUN,
     height_range: tuple[float, float] | None = None,
     metres: float | None = None,
-    factor_range: tuple[float, float] | None = None,
+    colour_range: tuple[float, float] | None = None,
     drape: Drape | None = None,
     wireframe: bool = False,
     exaggeration: float = 1.0,
@@ -94,7 +94,7 @@ def draw(
         clay = np.broadcast_to(np.asarray(_CLAY, np.float32), mesh.vertices.shape)
         colours = lit(clay, mesh.normals, direction)
     elif style in OF_PATCHES:
-        colours = _of_patches(mesh, direction, style, factor_range)
+        colours = _of_patches(mesh, direction, style, colour_range)
     else:
         colours = np.broadcast_to(np.asarray(_PAPER, np.float32), mesh.vertices.shape)
     require_graphics()
@@ -163,7 +163,7 @@ def _shaded(
 
 
 def scale_of(
-    mesh: Mesh, style: str, factor_range: tuple[float, float] | None = None
+    mesh: Mesh, style: str, colour_range: tuple[float, float] | None = None
 ) -> tuple[Scale, npt.NDArray[np.floating[Any]]]:
     """Return what the colours of a style of patches stand for, and each patch's number; (P,).
 
@@ -176,27 +176,28 @@ def scale_of(
     if patches is None:
         raise InputError(f"expected a mesh with patches for style {style!r}, got one without")
     if style == "lod":
-        return scales.segments(patches), patches.segment_cells
-    if style == "size":
-        return scales.sizes(patches), scales.patch_sizes(patches)
-    factors = patches.inside_factors.mean(axis=1)
-    scale = scales.factors(factors[patches.drawn])
-    if factor_range is not None:
-        least, most = numbers("factor_range", factor_range, "least", "most")
-        if least >= most:
-            raise InputError(f"expected a factor_range that rises, got {(least, most)}")
+        scale, values = scales.segments(patches), patches.segment_cells
+    elif style == "size":
+        scale, values = scales.sizes(patches), scales.patch_sizes(patches)
+    else:
+        values = patches.inside_factors.mean(axis=1)
+        scale = scales.factors(values[patches.drawn])
+    if colour_range is not None:
+        least, most = numbers("colour_range", colour_range, "least", "most")
+        if not 0 < least < most:
+            raise InputError(f"expected a colour_range above 0 that rises, got {(least, most)}")
         scale = replace(scale, low=least, high=most)
-    return scale, factors
+    return scale, values
 
 
 def _of_patches(
     mesh: Mesh,
     sun: npt.NDArray[np.float32],
     style: str,
-    factor_range: tuple[float, float] | None,
+    colour_range: tuple[float, float] | None,
 ) -> Colours:
     """Return the colour of each triangle: its patch's, with enough light to see relief."""
-    scale, values = scale_of(mesh, style, factor_range)
+    scale, values = scale_of(mesh, style, colour_range)
     colours = scale.colours(values)
     a, b, c = (mesh.vertices[mesh.triangles[:, corner]] for corner in range(3))
     across = np.cross(b - a, c - a)

@@ -24,7 +24,7 @@ class Portrait:
     sun: tuple[float, float] = SUN
     exaggeration: float = 1.0
     height_range: tuple[float, float] | None = None
-    factor_range: tuple[float, float] | None = None
+    colour_range: tuple[float, float] | None = None
     drape: Drape | None = None
     wireframe: bool = False
     sky_light: SkyLight | None = None
@@ -38,7 +38,7 @@ class Portrait:
             sun=self.sun,
             height_range=self._tinted,
             metres=metres_above_sea(self.ground),
-            factor_range=self.factor_range,
+            colour_range=self.colour_range,
             drape=self.drape,
             wireframe=self.wireframe,
             exaggeration=self.exaggeration,
@@ -63,7 +63,7 @@ class Portrait:
     def _scale(self, mesh: Mesh) -> Scale | None:
         """Return what the colours stand for, if for numbers."""
         if self.style in OF_PATCHES:
-            return scale_of(mesh, self.style, self.factor_range)[0]
+            return scale_of(mesh, self.style, self.colour_range)[0]
         if self.style != "shaded" or self.drape is not None:
             return None
         return tints(self._tinted, self.ground.unit_symbols[1], metres_above_sea(self.ground))

@@ -33,7 +33,7 @@ def render(
     texture: str | Path | None = None,
     wireframe: bool = False,
     height_range: tuple[float, float] | None = None,
-    factor_range: tuple[float, float] | None = None,
+    colour_range: tuple[float, float] | None = None,
     exaggeration: float = 1.0,
     sky_light: bool = True,
     notes: bool = True,
@@ -70,8 +70,9 @@ def render(
     height_range : (float, float), optional
         World heights of the lowest and the highest tint. Default: those of the ground, or of the
         mesh. Give the ground's to compare pictures of several meshes.
-    factor_range : (float, float), optional
-        Factors of the first and the last colour, in style "factor".
+    colour_range : (float, float), optional
+        Numbers of the first and the last colour, in styles "lod", "size" and "factor"; those beyond
+        have them, too. Default: those that are there. Give the same to compare several meshes.
     exaggeration : float, optional
         How many times as high heights are drawn. Pixels that a level of detail keeps are those of
         the picture, metres are true; so are the camera's coordinates.
@@ -148,7 +149,7 @@ def render(
             style=style,
             sun=sun,
             height_range=height_range,
-            factor_range=factor_range,
+            colour_range=colour_range,
             wireframe=wireframe,
             exaggeration=tall,
         )
@@ -159,7 +160,7 @@ def render(
             sun,
             tall,
             height_range,
-            factor_range,
+            colour_range,
             drape,
             flag("wireframe", wireframe),
             sky,

@@ -16,6 +16,10 @@ from .colours import ERROR_STOPS, HEAT_STOPS, LOD_STOPS, Colours, Stops, height_
 
 Values = npt.NDArray[np.floating]
 
+# numbers of the first and the last colour in pictures that stand side by side or follow each other:
+# cells along a segment, cells along a patch, segments
+COMPARED: Final = {"lod": (1.0, 64.0), "size": (1.0, 1024.0), "factor": (1.0, 16.0)}
+
 _MARKS: Final = 6  # numbers beside a bar, about
 
 

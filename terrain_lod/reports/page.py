@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
+from ..drawing.scales import COMPARED
 from .comparison import EQUAL_ERROR_SHARE, EQUAL_SHARE, Comparison, Trial
 from .html import bars, definitions, figure, paragraph, row_of_figures, section, table
 from .pictures import VISIBLE_DIFFERENCE, Difference
@@ -144,7 +145,11 @@ def _seen(
     comparison: Comparison, pictures: Mapping[str, Path], difference: Difference | None
 ) -> str:
     """Return what the camera sees: where triangles go, single ones, and what is left of it."""
-    ramp = '<div class="ramp"><span>64 cells a segment, or more</span><i></i><span>1</span></div>'
+    finest, coarsest = COMPARED["lod"]
+    ramp = (
+        f'<div class="ramp"><span>{coarsest:g} cells a segment, or more</span><i></i>'
+        f"<span>{finest:g}</span></div>"
+    )
     kind = "three" if len(comparison.asked) == 3 else "two"
     close = comparison.equal_triangles or comparison.asked
 
@@ -170,8 +175,9 @@ def _seen(
             section(
                 "Where the triangles go",
                 paragraph(
-                    "As asked for, each patch in the colour of its segments: yellow where they are "
-                    "shortest in the picture, the most detail; dark violet where they are longest.",
+                    "As asked for, each patch in the colour of its segments: yellow where one is a "
+                    "cell of the raster, the most detail there is; dark violet where it spans "
+                    f"{coarsest:g}. The pictures share one scale, in equal steps of doubling.",
                     kind="soft",
                 ),
                 ramp,

@@ -12,6 +12,7 @@ import numpy as np
 from ..camera.camera import Camera
 from ..drawing.graphics import graphics_problem
 from ..drawing.picture import Picture, draw, save_png
+from ..drawing.scales import COMPARED
 from .comparison import Comparison
 
 # "the difference is very rarely above 15%", says the text to figure 9.24
@@ -67,7 +68,9 @@ def save_pictures(
 
     height_range = comparison.terrain.ground.height_range
     for trial in comparison.asked:
-        save(f"lod_{trial.name}", draw(trial.mesh, camera, style="lod"))
+        save(
+            f"lod_{trial.name}", draw(trial.mesh, camera, style="lod", colour_range=COMPARED["lod"])
+        )
     step()
     shaded = [
         save(f"shaded_{trial.name}", draw(trial.mesh, camera, height_range=height_range))

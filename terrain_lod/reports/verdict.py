@@ -90,10 +90,19 @@ def _advice(comparison: Comparison) -> str:
     if len(alike) < 2 or len(same) < 2:
         return "There is too little to tell the levels of detail apart here."
     nearest = min(alike, key=lambda trial: trial.seen.maximum).called
-    fewest = min(same, key=lambda trial: trial.triangles).called
+    cheapest = min(same, key=lambda trial: trial.triangles)
+    fewest = cheapest.called
+    said = f"So here {nearest} is nearer to the ground, and {fewest} draws fewer triangles."
     if nearest == fewest:
-        return f"So here {nearest} is the better choice, whichever of the two you have to hold."
-    return f"So here {nearest} is nearer to the ground, and {fewest} draws fewer triangles."
+        said = f"So here {nearest} is the better choice, whichever of the two you have to hold."
+    # fewer triangles that keep the largest error are farther off elsewhere
+    least = min(same, key=lambda trial: trial.seen.rms)
+    if least is not cheapest:
+        said += (
+            f" That is by the largest error: at the same one, {fewest} is {cheapest.seen.rms:.3g} "
+            f"px off in the mean (RMS), {least.called} {least.seen.rms:.3g} px."
+        )
+    return said
 
 
 def as_asked_for(comparison: Comparison) -> str:

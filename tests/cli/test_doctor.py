@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import re
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -59,6 +60,15 @@ def test_a_hang_ends_with_its_time_and_is_not_tried_again() -> None:
         "no answer within 15 s",
         "not tried",
     ]
+
+
+@pytest.mark.slow
+def test_what_is_slow_at_first_is_tried_again_as_long_as_answers_come(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("DOCTOR_SLOW", str(tmp_path / "built"))
+    found = verdicts("sound", "slow", checks="support.doctor_slow", timeout=15)
+    assert found == ["sound", "sound"]
 
 
 def test_a_device_that_does_not_open_says_why() -> None:

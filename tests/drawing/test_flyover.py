@@ -238,6 +238,22 @@ def test_two_levels_of_detail_stand_side_by_side_with_their_counts(terrain, tmp_
 
 
 @needs_graphics
+@pytest.mark.parametrize("style", ["lod", "factor"])
+def test_what_is_compared_has_one_scale(style, tmp_path):
+    ground = plane(0.0, 0.0, size=46, spacing=10.0)
+    x, y, z = ground.centre
+    above = Camera((x, y, z + 300.0), (x, y, z), up=(0, 1, 0), size=(162, 80))
+    (path,) = render_path(
+        Terrain(ground), [above], tmp_path / "way", lods=(UniformLod(1), UniformLod(4)),
+        look=Look(style=style, counts=False),
+    )  # fmt: skip
+    picture = np.asarray(Image.open(path)).astype(int)
+    coarse, fine = (np.median(picture[20:60, part, 1]) for part in (slice(60), slice(100, None)))
+    # level ground, so each has one number all over, which is not the other's
+    assert fine > coarse + 30
+
+
+@needs_graphics
 def test_a_drape_lies_where_its_ground_is():
     ground = plane(0.0, 0.0, size=46, spacing=10.0, origin=(500_000.0, 4_000_000.0))
     picture = np.zeros((46, 46, 3), np.uint8)

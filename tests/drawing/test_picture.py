@@ -89,7 +89,7 @@ def pixel_at(picture, camera, point):
 def test_lod_colours_stand_where_their_patches_project():
     factors = np.array([[15.0, 8.0, 4.5], [1.0, 0.0, 15.0]])
     mesh, camera = tiles_of(factors), over(15.0, -10.0)
-    picture = draw(mesh, camera, style="factor", factor_range=(1.0, 15.0))
+    picture = draw(mesh, camera, style="factor", colour_range=(1.0, 15.0))
     assert picture.shape == (160, 200, 3)
     assert picture.dtype == np.uint8
 
@@ -270,8 +270,8 @@ def test_sun_stands_clockwise_from_north():
     [
         ({"style": "cubist"}, "expected one of shaded, plain, wireframe, lod, size, factor"),
         (
-            {"style": "factor", "factor_range": (3.0, 3.0)},
-            r"factor_range that rises, got \(3.0, 3.0\)",
+            {"style": "factor", "colour_range": (3.0, 3.0)},
+            r"colour_range above 0 that rises, got \(3.0, 3.0\)",
         ),
         ({"height_range": (5.0, -5.0)}, r"height_range that rises, got \(5.0, -5.0\)"),
         ({"sun": (float("nan"), 40.0)}, "finite sun"),

@@ -357,7 +357,7 @@ class Bench:
         yield Call("compare", tl.compare, {
             "folder": self.folder / "compare", **work, "views": 1}, kept=("progress",))  # fmt: skip
         looks = {"camera": camera, "style": "lod", "sun": (200.0, 40.0), "wireframe": True,
-                 "height_range": (0.0, 9.0), "factor_range": (1.0, 9.0)}  # fmt: skip
+                 "height_range": (0.0, 9.0), "colour_range": (1.0, 9.0)}  # fmt: skip
         picture = self.folder / "picture.png"
         yield Call("render", tl.render, {
             "what": self.ground, "path": picture, "lod": tl.UniformLod(3), "device": device, **looks

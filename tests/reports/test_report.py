@@ -295,6 +295,8 @@ def test_verdict_follows_the_numbers(made):
     assert "screen-error LOD is at most 1 px off" in first
     assert first.index("coplanarity LOD 2 px") < first.index("distance LOD 3 px")
     assert "screen-error LOD is the better choice" in so
+    rms = [trial.seen.rms for trial in comparison.equal_error]
+    assert ("That is by the largest error" in so) == (min(rms) < rms[2])
     assert "distance LOD is at most 0.5 px off" in with_pixels(0.5, 2.0, 1.0)[0]
     assert "distance LOD is nearer" in with_pixels(0.5, 2.0, 1.0)[2]
     assert comparison.equal_error[2].triangles < other.triangles

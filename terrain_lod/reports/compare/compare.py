@@ -17,6 +17,7 @@ from ...device import layout
 from ...device.device import Device
 from ...drawing.graphics import graphics_problem
 from ...drawing.picture import draw, save_png
+from ...drawing.scales import COMPARED
 from ...ground.heightmap import Heightmap
 from ...paths import require_made
 from ...terrain.lod import PromiseLod, Weighted, unweighted
@@ -113,7 +114,8 @@ def _pictures(course: Course, tile: int | None, folder: Path) -> dict[str, Path]
     for lod in drawn(course.ground, tile):
         name = "Weighted" if isinstance(lod, Weighted) else type(lod).__name__
         terrain = course.terrain(tile, flat=not isinstance(unweighted(lod), PromiseLod))
-        picture = draw(terrain.mesh(camera, lod=lod), camera, style="lod")
+        mesh = terrain.mesh(camera, lod=lod)
+        picture = draw(mesh, camera, style="lod", colour_range=COMPARED["lod"])
         pictures[name] = save_png(picture, folder / f"lod_{name}.png")
     return pictures
 
