@@ -60,7 +60,10 @@ def test_words_are_wrapped_and_a_strip_is_as_wide_as_the_picture():
 
 @pytest.mark.skipif(graphics_problem() is not None, reason=f"no pictures: {graphics_problem()}")
 def test_a_wrong_bar_lost_notes_or_missing_light_are_less_like_the_picture_than_it_is():
-    ground = rough(61, 61, spacing=30.0)
+    # valleys that see little of the sky
+    row, column = np.mgrid[:61, :61]
+    heights = 200 * np.cos(column / 4) + 150 * np.cos(row / 5)
+    ground = tl.Heightmap(heights, spacing=30.0)
     camera = tl.default_camera(ground, size=(640, 360))
 
     def picture(**options):
@@ -76,7 +79,7 @@ def test_a_wrong_bar_lost_notes_or_missing_light_are_less_like_the_picture_than_
         picture(exaggeration=1.3),
     ):
         alike = structural_similarity(whole, other, channel_axis=-1)
-        assert alike < 0.999, alike
+        assert alike < 0.997, alike
 
 
 def test_small_pictures_have_no_room_for_notes():

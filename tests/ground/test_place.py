@@ -13,7 +13,12 @@ LOCAL = 'LOCAL_CS["degrees of EPSG:4326 times 70000 east, 111000 north",UNIT["me
 def test_maps_say_degrees_and_their_own_numbers():
     pytest.importorskip("pyproj")
     degrees, own = said_place("EPSG:32632", 500_000.0, 5_200_000.0, "m")
-    assert degrees == "46.95353° N, 9.00000° E"  # on the zone's meridian
+    # on the zone's meridian: as far along the ellipsoid of WGS 84 as the northing says
+    turn = np.radians(np.linspace(0, 46.95353, 10_001))
+    squared = 0.00669437999014
+    metres = 6_378_137 * (1 - squared) / (1 - squared * np.sin(turn) ** 2) ** 1.5
+    assert 0.9996 * np.trapezoid(metres, turn) == pytest.approx(5_200_000.0, abs=1.0)
+    assert degrees == "46.95353° N, 9.00000° E"
     assert own == "x 500,000.0, y 5,200,000.0 in EPSG:32632"
 
 
